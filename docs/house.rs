@@ -6,12 +6,13 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 22] = [
+const ARROWS: [(&str, &[&str]); 23] = [
     ("src/fft", &[]),
     ("src/core", &["dpn-fft"]),
     ("src/io", &["dpn-core"]),
     ("src/logs", &["dpn-core", "dpn-io"]),
     ("src/pronet", &["dpn-core"]),
+    ("src/gpu", &["dpn-core", "dpn-pronet"]),
     ("src/noise", &["dpn-core", "dpn-io", "dpn-pronet"]),
     ("src/probe", &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet"]),
     ("src/sim", &["dpn-core"]),
@@ -21,7 +22,7 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("src/inertial", &["dpn-core", "dpn-pronet", "dpn-truth", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("src/ros2", &["dpn-core", "dpn-io", "dpn-logs"]),
-    ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),
+    ("train", &["dpn-core", "dpn-gpu", "dpn-io", "dpn-pronet", "dpn-sim"]),
     (
         "eval",
         &[
@@ -63,8 +64,9 @@ const ARROWS: [(&str, &[&str]); 22] = [
 ];
 
 /// Third-party crates that one room keeps to itself.
-const SEEN_BY: [(&str, &[&str]); 7] = [
+const SEEN_BY: [(&str, &[&str]); 8] = [
     ("burn", &["src/pronet"]),
+    ("cubecl", &["src/gpu"]),
     ("linfa", &["train"]),
     ("clarabel", &["src/probe"]),
     ("plotters", &["figures"]),

@@ -45,6 +45,27 @@ impl Cleaner {
     }
 }
 
+#[cfg(feature = "wgpu")]
+impl Cleaner {
+    /// The matrices that windows of `len` samples are multiplied by, row by row: a window's index chooses among them in turn.
+    pub(crate) fn matrices(&self, len: usize) -> Vec<Vec<f64>> {
+        let kinds = if let Self::Gaussian(kernels) = self { kernels.len() } else { 1 };
+        let matrix = |kind| {
+            let (mut unit, mut column, mut rows) = (vec![0.0; len], vec![0.0; len], vec![0.0; len * len]);
+            for at in 0..len {
+                unit[at] = 1.0;
+                self.clean(kind, &unit, &mut column);
+                unit[at] = 0.0;
+                for (row, value) in rows.chunks_exact_mut(len).zip(&column) {
+                    row[at] = *value;
+                }
+            }
+            rows
+        };
+        (0..kinds).map(matrix).collect()
+    }
+}
+
 /// Convolves with a symmetric kernel; beyond its ends the window is turned about its end points.
 fn smooth(kernel: &[f64], raw: &[f64], out: &mut [f64]) {
     let last = raw.len() as i64 - 1;

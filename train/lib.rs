@@ -5,9 +5,12 @@
 pub mod asl;
 pub mod base;
 pub mod calibration;
+#[cfg(feature = "wgpu")]
+mod card;
 pub mod clean;
 pub mod config;
 pub mod corpus;
+mod device;
 pub mod draw;
 pub mod examples;
 pub mod features;
@@ -27,6 +30,8 @@ pub mod trainer;
 pub mod vibration;
 mod window;
 pub mod windows;
+
+pub use device::Device;
 
 /// The README's code is a test.
 #[cfg(doctest)]

@@ -11,12 +11,13 @@
 use crate::calibration::Calibration;
 use crate::config::{Schedule, TrainConfig};
 use crate::corpus::Corpus;
+use crate::device::Device;
 use crate::state::{Best, EpochRecord, State};
 use crate::trainer::{TrainError, Trainer};
 use dpn_core::progress::Progress;
 use dpn_io::{FolderLock, IoError, LockError, ResultPath, atomic_write};
 use dpn_pronet::weights::{Card, Weights};
-use dpn_pronet::{Checkpoint, Device, StoreError};
+use dpn_pronet::{Checkpoint, StoreError};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -106,6 +107,8 @@ impl RunError {
                     .into(),
             ),
             Self::Train(TrainError::Corpus(error)) => error.hint(),
+            #[cfg(feature = "wgpu")]
+            Self::Train(TrainError::Gpu(error)) => Some(error.hint()),
             Self::Io(error) => error.hint(),
             Self::Locked(error) => error.hint(),
             _ => None,
@@ -247,7 +250,7 @@ impl<'a> Run<'a> {
             })?;
             self.save()?;
         }
-        let summary = self.summary();
+        let summary = self.summary()?;
         let path = self.dir.join(format!("{sensor}.safetensors"));
         self.finish(&summary, &path)?;
         progress.finish(&format!(
@@ -260,7 +263,7 @@ impl<'a> Run<'a> {
         Ok((summary, path))
     }
 
-    fn summary(&self) -> RunSummary {
+    fn summary(&self) -> Result<RunSummary, RunError> {
         let config = self.trainer.config();
         let (fit_windows, validation_windows) = self.trainer.windows();
         let best = self.state.best.as_ref();
@@ -269,9 +272,9 @@ impl<'a> Run<'a> {
                 let record = self.state.history.iter().find(|record| record.epoch == best.epoch);
                 (best.validation_rmse, record.and_then(|record| record.calibration))
             }
-            None => self.trainer.judge(&self.state.averaged),
+            None => self.trainer.judge(&self.state.averaged)?,
         };
-        RunSummary {
+        Ok(RunSummary {
             version: env!("CARGO_PKG_VERSION").into(),
             name: config.name.clone(),
             sensor: config.sensor().name().into(),
@@ -289,7 +292,7 @@ impl<'a> Run<'a> {
             best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
             validation_rmse,
             calibration,
-        }
+        })
     }
 
     /// Writes the checkpoint and the history.

@@ -5,8 +5,11 @@
 //! from a saved [`State`] therefore ends in the same bits as one that never stopped.
 
 use crate::calibration::Calibration;
+#[cfg(feature = "wgpu")]
+use crate::card::OnCard;
 use crate::config::TrainConfig;
 use crate::corpus::{Corpus, CorpusError};
+use crate::device::Device;
 use crate::examples::Examples;
 use crate::flight::FlightNoise;
 use crate::loss::loss;
@@ -20,7 +23,7 @@ use dpn_core::signal::FilterError;
 use dpn_pronet::adam::{AdamConfig, clip_length};
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
-use dpn_pronet::{Device, Predictor, Trainable, init};
+use dpn_pronet::{Predictor, Trainable, init};
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -64,6 +67,10 @@ pub enum TrainError {
         /// The loss.
         loss: f64,
     },
+    /// The card that was to compute.
+    #[cfg(feature = "wgpu")]
+    #[error(transparent)]
+    Gpu(#[from] dpn_gpu::GpuError),
     /// Asked to stop between two epochs or within one.
     #[error("stopped in epoch {epoch}")]
     Stopped {
@@ -79,7 +86,14 @@ pub struct Trainer {
     validation: Examples,
     truth: Vec<f64>,
     stream: Stream,
-    network: Trainable,
+    learner: Learner,
+}
+
+/// Where steps are taken.
+enum Learner {
+    Cpu(Trainable),
+    #[cfg(feature = "wgpu")]
+    Gpu(OnCard),
 }
 
 impl Trainer {
@@ -123,8 +137,16 @@ impl Trainer {
         let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
         validation.disturb(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
-        let network = Trainable::new(&config.network, device)?;
-        Ok(Self { config, fit, validation, truth, stream, network })
+        let learner = match device {
+            Device::Cpu => Learner::Cpu(Trainable::new(&config.network, &dpn_pronet::Device::Cpu)?),
+            #[cfg(feature = "wgpu")]
+            Device::Gpu(gpu) => {
+                config.network.validate()?;
+                let weights = init::initial_parameters(&config.network, &stream.named("weights"));
+                Learner::Gpu(OnCard::new(gpu, &config, adam(&config), &fit, &weights)?)
+            }
+        };
+        Ok(Self { config, fit, validation, truth, stream, learner })
     }
 
     /// The configuration with every default written out.
@@ -144,12 +166,8 @@ impl Trainer {
 
     /// The state before the first epoch.
     pub fn start(&self) -> State {
-        State::new(init::initial_parameters(&self.config.network, &self.stream.named("weights")), self.adam())
-    }
-
-    /// The optimiser's settings.
-    pub(crate) fn adam(&self) -> AdamConfig {
-        AdamConfig { weight_decay: self.config.fit.weight_decay, ..AdamConfig::default() }
+        let weights = init::initial_parameters(&self.config.network, &self.stream.named("weights"));
+        State::new(weights, adam(&self.config))
     }
 
     /// Updates in one epoch.
@@ -157,11 +175,11 @@ impl Trainer {
         (self.fit.len() as u64 * self.config.fit.draws_per_window).div_ceil(self.config.fit.batch as u64)
     }
 
-    /// Goes through one epoch. `stop` is looked at before every update; `each_step` hears the steps done in the epoch
+    /// Goes through one epoch. `stop` is looked at before every update, on a card before every lot of them; `each_step` hears then the steps done in the epoch
     /// and the mean loss so far. On an error `state` is as before the epoch.
     ///
     /// # Errors
-    /// Divergence; a request to stop.
+    /// Divergence; a request to stop; a card that fails.
     pub fn epoch(
         &self,
         state: &mut State,
@@ -170,32 +188,29 @@ impl Trainer {
     ) -> Result<EpochRecord, TrainError> {
         let epoch = state.epochs_done();
         let mut next = state.clone();
-        let total = self.steps_per_epoch() * self.config.fit.epochs;
         let order = self.order(epoch);
-        let (mut loss_sum, mut rate) = (0.0, 0.0);
-        for (step, batch) in order.chunks(self.config.fit.batch).enumerate() {
+        let batch = self.config.fit.batch;
+        let (mut loss_sum, mut seen, mut done) = (0.0, 0, 0);
+        for lot in order.chunks(batch * self.batches()) {
             if stop.load(Ordering::Relaxed) {
                 return Err(TrainError::Stopped { epoch: epoch + 1 });
             }
-            let (windows, labels) = self.draw(epoch, batch);
-            let (loss, mut gradient) = self.gradient(&next.weights, &windows, &labels);
-            if !loss.is_finite() {
-                return Err(TrainError::Diverged { epoch: epoch + 1, loss });
+            let losses = self.advance(epoch, lot, &mut next)?;
+            for (batch, loss) in lot.chunks(batch).zip(losses) {
+                if !loss.is_finite() {
+                    return Err(TrainError::Diverged { epoch: epoch + 1, loss });
+                }
+                loss_sum += loss * batch.len() as f64;
+                seen += batch.len();
+                done += 1;
             }
-            loss_sum += loss * batch.len() as f64;
-            if self.config.fit.clip_norm > 0.0 {
-                clip_length(&mut gradient, self.config.fit.clip_norm);
-            }
-            rate = learning_rate(&self.config.fit, next.adam.steps(), total);
-            next.adam.step(&mut next.weights, &gradient, rate);
-            self.average(&mut next);
-            let seen = (step * self.config.fit.batch + batch.len()) as f64;
-            each_step(step as u64 + 1, loss_sum / seen);
+            each_step(done, loss_sum / seen as f64);
         }
+        let rate = self.rate(next.adam.steps() - 1);
         let epoch = epoch + 1;
         let fit = &self.config.fit;
         let validate = epoch.is_multiple_of(fit.validate_every) || epoch == fit.epochs;
-        let (validation_rmse, calibration) = validate.then(|| self.judge(&next.averaged)).unzip();
+        let (validation_rmse, calibration) = validate.then(|| self.judge(&next.averaged)).transpose()?.unzip();
         if let Some(rmse) = validation_rmse.filter(|rmse| rmse.is_finite()) {
             next.keep_if_best(epoch, rmse);
         }
@@ -230,12 +245,79 @@ impl Trainer {
 
     /// RMSE of `weights` on the validation examples \[unit of the sensor\], and whether they are as far off as they say; none of a network that does
     /// not say it.
-    pub fn judge(&self, weights: &[f32]) -> (f64, Option<Calibration>) {
-        let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
-        let (sigma, spread) = predict_with_spread(&weights, &self.validation.samples);
-        let square: f64 = sigma.iter().zip(&self.truth).map(|(e, t)| (e - t).powi(2)).sum();
+    ///
+    /// # Errors
+    /// A card that fails.
+    pub fn judge(&self, weights: &[f32]) -> Result<(f64, Option<Calibration>), TrainError> {
+        let (sigma, spread) = match &self.learner {
+            Learner::Cpu(_) => {
+                let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
+                predict_with_spread(&weights, &self.validation.samples)
+            }
+            #[cfg(feature = "wgpu")]
+            Learner::Gpu(card) => {
+                let windows = self.validation.samples.iter().map(|v| *v as f32).collect();
+                let answers = card.answers(weights, windows)?;
+                let outputs = self.config.network.head.outputs();
+                let column = |at: usize| answers.iter().skip(at).step_by(outputs).map(|v| f64::from(*v)).collect();
+                (column(0), (outputs > 1).then(|| column(1)))
+            }
+        };
+        let square: f64 = sigma.iter().zip(&self.truth).map(|(e, t): (&f64, _)| (e - t).powi(2)).sum();
         let rmse = (square / self.truth.len().max(1) as f64).sqrt();
-        (rmse, spread.map(|spread| Calibration::of(&sigma, &spread, &self.truth)))
+        Ok((rmse, spread.map(|spread: Vec<f64>| Calibration::of(&sigma, &spread, &self.truth))))
+    }
+
+    /// Batches between two looks at whether to stop.
+    fn batches(&self) -> usize {
+        match &self.learner {
+            Learner::Cpu(_) => 1,
+            #[cfg(feature = "wgpu")]
+            Learner::Gpu(card) => card.batches(self.fit.window()),
+        }
+    }
+
+    /// Learning rate of the update after `steps` of them.
+    fn rate(&self, steps: u64) -> f64 {
+        learning_rate(&self.config.fit, steps, self.steps_per_epoch() * self.config.fit.epochs)
+    }
+
+    /// Learns from the examples of one epoch that `lot` names, batch by batch; the mean loss of each. A loss that is no number ends what is learned.
+    fn advance(&self, epoch: u64, lot: &[(usize, u64)], next: &mut State) -> Result<Vec<f64>, TrainError> {
+        match &self.learner {
+            Learner::Cpu(network) => {
+                let (windows, labels) = self.draw(epoch, lot);
+                let (kind, scale) = (self.config.fit.loss, self.config.network.output_scale());
+                let (loss, mut gradient) =
+                    network.gradient(&next.weights, &windows, |answers| loss(kind, scale, answers, &labels));
+                if self.config.fit.clip_norm > 0.0 {
+                    clip_length(&mut gradient, self.config.fit.clip_norm);
+                }
+                let rate = self.rate(next.adam.steps());
+                next.adam.step(&mut next.weights, &gradient, rate);
+                let keep = self.keep(next.adam.steps()) as f32;
+                for (mean, weight) in next.averaged.iter_mut().zip(&next.weights) {
+                    *mean = keep * *mean + (1.0 - keep) * weight;
+                }
+                Ok(vec![loss])
+            }
+            #[cfg(feature = "wgpu")]
+            Learner::Gpu(card) => {
+                let stream = self.stream.named("card").index(epoch);
+                let step = |before| dpn_gpu::Step {
+                    number: before + 1,
+                    rate: self.rate(before),
+                    keep: self.keep(before + 1),
+                };
+                let losses = card.steps(next, lot, &stream, || self.draw(epoch, lot), step)?;
+                Ok(losses.into_iter().map(f64::from).collect())
+            }
+        }
+    }
+
+    /// What the running mean of the weights keeps of itself at update number `step`. It starts as a plain mean, so that early weights do not linger.
+    fn keep(&self, step: u64) -> f64 {
+        self.config.fit.ema.min(1.0 - 1.0 / (step as f64).max(1.0))
     }
 
     /// Windows in the order of one epoch, each with the number of its draw.
@@ -267,21 +349,11 @@ impl Trainer {
             .collect();
         (windows, labels)
     }
+}
 
-    /// Loss of a batch and its gradient.
-    fn gradient(&self, weights: &[f32], windows: &[f32], labels: &[f32]) -> (f64, Vec<f32>) {
-        let (kind, scale) = (self.config.fit.loss, self.config.network.output_scale());
-        self.network.gradient(weights, windows, |answers| loss(kind, scale, answers, labels))
-    }
-
-    /// Moves the running mean of the weights. It starts as a plain mean, so that early weights do not linger.
-    fn average(&self, state: &mut State) {
-        let step = state.adam.steps() as f64;
-        let keep = self.config.fit.ema.min(1.0 - 1.0 / step.max(1.0)) as f32;
-        for (mean, weight) in state.averaged.iter_mut().zip(&state.weights) {
-            *mean = keep * *mean + (1.0 - keep) * weight;
-        }
-    }
+/// The optimiser's settings.
+fn adam(config: &TrainConfig) -> AdamConfig {
+    AdamConfig { weight_decay: config.fit.weight_decay, ..AdamConfig::default() }
 }
 
 /// Deviations that `weights` give for rows of as many samples as its windows have, in row order.

@@ -171,6 +171,24 @@ impl WindowSet {
         &self.signals[place.signal].samples[start..start + self.window]
     }
 
+    /// All axes, one behind the other, and every window's first sample among these with its slack.
+    #[cfg(feature = "wgpu")]
+    pub(crate) fn recorded(&self) -> (Vec<f32>, Vec<[u32; 2]>) {
+        let mut first = vec![0];
+        for signal in &self.signals {
+            first.push(first[first.len() - 1] + signal.samples.len());
+        }
+        let samples = self.signals.iter().flat_map(|signal| signal.samples.iter().map(|v| *v as f32)).collect();
+        let places = self.places.iter().map(|place| [(first[place.signal] + place.start) as u32, place.slack as u32]);
+        (samples, places.collect())
+    }
+
+    /// What cleans windows, which take these in turn: matrices of `[window, window]`, row by row.
+    #[cfg(feature = "wgpu")]
+    pub(crate) fn filters(&self) -> Vec<Vec<f64>> {
+        self.cleaner.matrices(self.window)
+    }
+
     /// The white noise that a window of this length holds before anything is injected.
     pub(crate) fn own_sigma(&self, window: &[f64]) -> f64 {
         self.own.sigma(window)

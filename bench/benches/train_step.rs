@@ -5,7 +5,7 @@
 //! may ask for others than all of them on a batch of 200 on the CPU:
 //!
 //! * `DPN_BENCH_NETS=kernel-41`, `DPN_BENCH_BATCHES=200,1000,5000`
-//! * `DPN_BENCH_DEVICE=wgpu`, built with `--features wgpu`; the adapter is named, and whether it is a card or software
+//! * `DPN_BENCH_DEVICE=wgpu`, built with `--features wgpu`: steps as a training hands them to a card, which is named; `DPN_BENCH_NETWORKS=16` of them at once
 
 use dpn_bench::{asked, iterations, time};
 use dpn_core::random::Stream;
@@ -32,34 +32,26 @@ fn main() {
         Some(sizes) => sizes.iter().map(|size| size.parse().expect("a number of windows")).collect(),
         None => vec![200],
     };
-    let device = device();
+    let device = asked("DPN_BENCH_DEVICE").map_or_else(|| "cpu".to_owned(), |names| names.concat());
     for (name, config) in &nets {
         if chosen.as_ref().is_some_and(|chosen| !chosen.iter().any(|net| net == name)) {
             continue;
         }
         for &batch in &batches {
-            step(&format!("{name}, {batch} windows"), config, batch, &device);
+            let name = format!("{name}, {batch} windows");
+            match device.as_str() {
+                "cpu" => step(&name, config, batch),
+                #[cfg(feature = "wgpu")]
+                "wgpu" => card::step(&name, config, batch),
+                _ => panic!("this bench was built without the device `{device}`"),
+            }
         }
     }
 }
 
-/// Where to compute.
-fn device() -> Device {
-    let name = asked("DPN_BENCH_DEVICE").map_or_else(|| "cpu".to_owned(), |names| names.concat());
-    let device =
-        Device::named(&name).unwrap_or_else(|| panic!("this bench was built without the device `{name}`"));
-    #[cfg(feature = "wgpu")]
-    if let Device::Burn(device) = &device {
-        let identity = device.identity().expect("wgpu knows its adapter");
-        let kind = if identity.physical.is_some() { "a card" } else { "software" };
-        println!("train_step on {} ({kind}, {})", identity.name, identity.fingerprint);
-    }
-    device
-}
-
-fn step(name: &str, config: &ProNetConfig, batch: usize, device: &Device) {
+fn step(name: &str, config: &ProNetConfig, batch: usize) {
     let stream = Stream::new(1).named("bench");
-    let network = Trainable::new(config, device).expect("its keys go together");
+    let network = Trainable::new(config, &Device::Cpu).expect("its keys go together");
     let mut rng = stream.named("windows").rng();
     let windows: Vec<f32> = (0..batch * config.window).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect();
     let mut parameters = initial_parameters(config, &stream);
@@ -72,4 +64,52 @@ fn step(name: &str, config: &ProNetConfig, batch: usize, device: &Device) {
         adam.step(&mut parameters, &gradient, 1e-3);
     });
     println!("train_step {name}: median {:.2} ms, cpu {:.2} ms", timing.wall_ms, timing.cpu_ms);
+}
+
+#[cfg(feature = "wgpu")]
+mod card {
+    use dpn_bench::{asked, iterations, time};
+    use dpn_core::random::Stream;
+    use dpn_gpu::{Examples, Gpu, LevelDraw, Loss, Source, State, Step, Training, Turns};
+    use dpn_pronet::{AdamConfig, ProNetConfig, init::initial_parameters};
+    use std::sync::Arc;
+
+    /// Steps that are handed over at a time.
+    const STEPS: usize = 32;
+
+    pub(super) fn step(name: &str, config: &ProNetConfig, batch: usize) {
+        let gpu = Gpu::open().expect("a card");
+        let networks: usize = asked("DPN_BENCH_NETWORKS").map_or(1, |n| n.concat().parse().expect("a number"));
+        let trainings: Vec<Training> =
+            (0..networks).map(|_| Training::new(&gpu, config, Loss::Mse, AdamConfig::default(), 1.0)).collect();
+        let weights = initial_parameters(config, &Stream::new(1).named("bench"));
+        let zeros = vec![0.0; weights.len()];
+        let state = State { averaged: weights.clone(), weights, mean: zeros.clone(), square: zeros };
+        let turns = Turns { offset: true, sign: true, reverse: true, grow_share: 0.0, factors: [1.0; 2] };
+        let identity: Vec<f64> =
+            (0..config.window.pow(2)).map(|i| f64::from(u8::from(i % (config.window + 1) == 0))).collect();
+        let samples = (0..2000).map(|i| (i as f32 * 0.1).sin()).collect();
+        let levels = (LevelDraw::Uniform, [0.01, 0.2]);
+        let source =
+            Arc::new(Source::new(config.window, samples, vec![[0, 199]], &[identity], levels, turns));
+        let rate = (1..=STEPS as u64).map(|number| Step { number, rate: 1e-3, keep: 0.9 });
+        let steps: Vec<Step> = rate.collect();
+        let timing = time(iterations(4), || {
+            std::thread::scope(|scope| {
+                for training in &trainings {
+                    let (mut state, steps, source) = (state.clone(), &steps, Arc::clone(&source));
+                    scope.spawn(move || {
+                        let rows = (0..(STEPS * batch) as u32).map(|i| [0, i % 65_536]).collect();
+                        let examples = Examples::Drawn { source, rows, key: [1, 2] };
+                        training.steps(&mut state, examples, batch, steps).expect("the card computes")
+                    });
+                }
+            });
+        });
+        println!(
+            "train_step {name} on {}: {networks} networks at once, median {:.3} ms a step",
+            gpu.adapter(),
+            timing.wall_ms / STEPS as f64
+        );
+    }
 }

@@ -25,7 +25,7 @@ pub struct TrainPlan {
     pub seeds: u64,
     /// Epochs, over the configurations'.
     pub epochs: Option<u64>,
-    /// Where to compute: cpu, or ndarray, wgpu, cuda where the program is built with that feature.
+    /// Where to compute: cpu, or wgpu, a GPU, where the program is built with that feature.
     pub device: String,
 }
 

@@ -5,7 +5,7 @@ use crate::progress::Listener;
 use crate::recording::Recording;
 use dpn_core::Sensor;
 use dpn_core::progress::Progress;
-use dpn_pronet::Device;
+use dpn_train::Device;
 use dpn_train::corpus::{Corpus, Member, to_train};
 use dpn_train::run::Run;
 use dpn_train::split::Side;

@@ -1,31 +1,28 @@
 //! Where networks are computed.
 
 use crate::ui::Fault;
-use dpn_pronet::Device;
+use dpn_train::Device;
 
 /// The device of a build without features.
 pub(crate) const CPU: &str = "cpu";
-
-/// Every device by name, and whether this build has it.
-const KNOWN: [(&str, bool); 4] = [
-    (CPU, true),
-    ("ndarray", cfg!(feature = "ndarray")),
-    ("wgpu", cfg!(feature = "wgpu")),
-    ("cuda", cfg!(feature = "cuda")),
-];
+/// A GPU.
+const WGPU: &str = "wgpu";
 
 /// The device called `name`.
 pub(crate) fn parse(name: &str) -> Result<Device, Fault> {
-    if let Some(device) = Device::named(name) {
-        return Ok(device);
+    let none = || Fault::new(format!("there is no device `{name}`"));
+    match name {
+        CPU => Ok(Device::Cpu),
+        #[cfg(feature = "wgpu")]
+        WGPU => match dpn_gpu::Gpu::open() {
+            Ok(gpu) => Ok(Device::Gpu(gpu)),
+            Err(error) => Err(Fault::new(error.to_string()).hint(error.hint())),
+        },
+        #[cfg(not(feature = "wgpu"))]
+        WGPU => Err(Fault::new("this dpn was built without the device `wgpu`").hint("build with `--features wgpu`")),
+        "cuda" => Err(none().hint("an NVIDIA card too is reached by `wgpu`, through Vulkan")),
+        "flex" | "ndarray" => Err(none().hint("write `cpu`")),
+        _ if cfg!(feature = "wgpu") => Err(none().hint("known here: cpu, wgpu")),
+        _ => Err(none().hint("known here: cpu")),
     }
-    if KNOWN.iter().any(|(known, _)| *known == name) {
-        return Err(Fault::new(format!("this dpn was built without the device `{name}`"))
-            .hint(format!("build with `--features {name}`")));
-    }
-    if name == "flex" {
-        return Err(Fault::new("there is no device `flex` since 0.2.0").hint("write `cpu`"));
-    }
-    let names: Vec<&str> = KNOWN.iter().filter(|(_, built)| *built).map(|(name, _)| *name).collect();
-    Err(Fault::new(format!("there is no device `{name}`")).hint(format!("known here: {}", names.join(", "))))
 }

@@ -19,28 +19,11 @@ pub enum Device {
     Burn(burn::tensor::Device),
 }
 
+#[cfg(feature = "burn")]
 impl Device {
-    /// The device called `name`: `cpu`, or `ndarray`, `wgpu`, `cuda` in a build with that feature. `None` of another.
-    #[allow(
-        deprecated,
-        reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
-    )]
-    pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "cpu" => Some(Self::Cpu),
-            #[cfg(feature = "ndarray")]
-            "ndarray" => Some(Self::Burn(burn::tensor::Device::ndarray().autodiff())),
-            #[cfg(feature = "wgpu")]
-            "wgpu" => {
-                let kind = burn::tensor::DeviceKind::DefaultDevice;
-                Some(Self::Burn(burn::tensor::Device::wgpu(kind).autodiff()))
-            }
-            #[cfg(feature = "cuda")]
-            "cuda" => {
-                Some(Self::Burn(burn::tensor::Device::cuda(burn::tensor::DeviceIndex::Default).autodiff()))
-            }
-            _ => None,
-        }
+    /// The plain composition on burn's CPU backend, which kernels are held to.
+    pub fn plain() -> Self {
+        Self::Burn(burn::tensor::Device::flex().autodiff())
     }
 }
 

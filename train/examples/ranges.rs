@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p dpn-train --example ranges -- DATA WEIGHTS...`
 
-use dpn_pronet::Device;
+use dpn_train::Device;
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
 use dpn_train::config::TrainConfig;

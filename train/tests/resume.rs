@@ -3,7 +3,7 @@
 use dpn_core::progress::{Progress, Silent};
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, ImuSample, Sensor, Stamp};
-use dpn_pronet::Device;
+use dpn_train::Device;
 use dpn_train::config::{Schedule, TrainConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::run::{Run, RunError};
@@ -27,7 +27,7 @@ pub(super) fn corpus() -> Corpus {
     Corpus::new("made", vec![member("a", Side::Train, 1), member("b", Side::Test, 2)]).unwrap()
 }
 
-fn config() -> TrainConfig {
+pub(super) fn config() -> TrainConfig {
     let mut config = TrainConfig::for_sensor(Sensor::Accel);
     config.network.channels = vec![4, 4, 8];
     config.network.kernels = vec![5, 3, 3];
@@ -45,7 +45,7 @@ fn weights(dir: &Path) -> Vec<u8> {
 }
 
 /// Sets a flag after so many updates.
-struct StopAfter<'a>(u64, &'a AtomicBool);
+pub(super) struct StopAfter<'a>(pub(super) u64, pub(super) &'a AtomicBool);
 
 impl Progress for StopAfter<'_> {
     fn start(&mut self, _: &str, _: u64) {}
