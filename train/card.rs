@@ -34,7 +34,13 @@ pub(crate) struct OnCard {
 
 impl OnCard {
     /// Tries the card on a few windows against the processor, and brings there what examples are drawn from.
-    pub(crate) fn new(gpu: &Gpu, config: &TrainConfig, adam: AdamConfig, set: &WindowSet, weights: &[f32]) -> Result<Self, GpuError> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        config: &TrainConfig,
+        adam: AdamConfig,
+        set: &WindowSet,
+        weights: &[f32],
+    ) -> Result<Self, GpuError> {
         let loss = match config.fit.loss {
             Loss::Mse => dpn_gpu::Loss::Mse,
             Loss::LogMse => dpn_gpu::Loss::LogMse,
@@ -145,7 +151,11 @@ impl OnCard {
 /// What the card draws from, where its kernel knows all that the rule asks for: recorded windows, cleaned and turned about, under white noise that alone is labelled.
 fn drawn(config: &TrainConfig, set: &WindowSet) -> Option<Source> {
     let DrawRule { levels, label, vibration: _, sensor, span: _, rate: _, augment } = config.draw_rule();
-    if label != Label::Injected || sensor.is_some() || set.window() > LONGEST || config.fit.draws_per_window > 1 << 16 {
+    if label != Label::Injected
+        || sensor.is_some()
+        || set.window() > LONGEST
+        || config.fit.draws_per_window > 1 << 16
+    {
         return None;
     }
     let kind = match levels.kind {

@@ -210,7 +210,8 @@ impl Trainer {
         let epoch = epoch + 1;
         let fit = &self.config.fit;
         let validate = epoch.is_multiple_of(fit.validate_every) || epoch == fit.epochs;
-        let (validation_rmse, calibration) = validate.then(|| self.judge(&next.averaged)).transpose()?.unzip();
+        let (validation_rmse, calibration) =
+            validate.then(|| self.judge(&next.averaged)).transpose()?.unzip();
         if let Some(rmse) = validation_rmse.filter(|rmse| rmse.is_finite()) {
             next.keep_if_best(epoch, rmse);
         }
@@ -259,7 +260,8 @@ impl Trainer {
                 let windows = self.validation.samples.iter().map(|v| *v as f32).collect();
                 let answers = card.answers(weights, windows)?;
                 let outputs = self.config.network.head.outputs();
-                let column = |at: usize| answers.iter().skip(at).step_by(outputs).map(|v| f64::from(*v)).collect();
+                let column =
+                    |at: usize| answers.iter().skip(at).step_by(outputs).map(|v| f64::from(*v)).collect();
                 (column(0), (outputs > 1).then(|| column(1)))
             }
         };

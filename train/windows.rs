@@ -178,8 +178,10 @@ impl WindowSet {
         for signal in &self.signals {
             first.push(first[first.len() - 1] + signal.samples.len());
         }
-        let samples = self.signals.iter().flat_map(|signal| signal.samples.iter().map(|v| *v as f32)).collect();
-        let places = self.places.iter().map(|place| [(first[place.signal] + place.start) as u32, place.slack as u32]);
+        let samples =
+            self.signals.iter().flat_map(|signal| signal.samples.iter().map(|v| *v as f32)).collect();
+        let places =
+            self.places.iter().map(|place| [(first[place.signal] + place.start) as u32, place.slack as u32]);
         (samples, places.collect())
     }
 

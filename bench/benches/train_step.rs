@@ -79,9 +79,11 @@ mod card {
 
     pub(super) fn step(name: &str, config: &ProNetConfig, batch: usize) {
         let gpu = Gpu::open().expect("a card");
-        let networks: usize = asked("DPN_BENCH_NETWORKS").map_or(1, |n| n.concat().parse().expect("a number"));
-        let trainings: Vec<Training> =
-            (0..networks).map(|_| Training::new(&gpu, config, Loss::Mse, AdamConfig::default(), 1.0)).collect();
+        let networks: usize =
+            asked("DPN_BENCH_NETWORKS").map_or(1, |n| n.concat().parse().expect("a number"));
+        let trainings: Vec<Training> = (0..networks)
+            .map(|_| Training::new(&gpu, config, Loss::Mse, AdamConfig::default(), 1.0))
+            .collect();
         let weights = initial_parameters(config, &Stream::new(1).named("bench"));
         let zeros = vec![0.0; weights.len()];
         let state = State { averaged: weights.clone(), weights, mean: zeros.clone(), square: zeros };

@@ -19,7 +19,10 @@ pub(crate) fn parse(name: &str) -> Result<Device, Fault> {
             Err(error) => Err(Fault::new(error.to_string()).hint(error.hint())),
         },
         #[cfg(not(feature = "wgpu"))]
-        WGPU => Err(Fault::new("this dpn was built without the device `wgpu`").hint("build with `--features wgpu`")),
+        WGPU => {
+            Err(Fault::new("this dpn was built without the device `wgpu`")
+                .hint("build with `--features wgpu`"))
+        }
         "cuda" => Err(none().hint("an NVIDIA card too is reached by `wgpu`, through Vulkan")),
         "flex" | "ndarray" => Err(none().hint("write `cpu`")),
         _ if cfg!(feature = "wgpu") => Err(none().hint("known here: cpu, wgpu")),

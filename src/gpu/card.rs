@@ -34,7 +34,9 @@ pub enum GpuError {
         reason: String,
     },
     /// A network that does not go in.
-    #[error("{adapter} has no room for this network: {what} takes {bytes} bytes, and {most} is the most at a time")]
+    #[error(
+        "{adapter} has no room for this network: {what} takes {bytes} bytes, and {most} is the most at a time"
+    )]
     Memory {
         /// Its name and driver.
         adapter: String,
@@ -61,12 +63,20 @@ impl GpuError {
     /// What to do about it.
     pub fn hint(&self) -> String {
         match self {
-            Self::None { .. } => "install a Vulkan driver, or leave --device out: the processor trains too".into(),
-            Self::Memory { .. } => "make `fit.batch`, `network.window` or `network.channels` smaller, or leave --device out".into(),
-            Self::Failed { .. } => {
-                "finished epochs are kept: add --resume, with --device cpu if the card does not come back".into()
+            Self::None { .. } => {
+                "install a Vulkan driver, or leave --device out: the processor trains too".into()
             }
-            Self::Wrong { .. } => "another driver may do better; --device cpu goes on from the same checkpoint".into(),
+            Self::Memory { .. } => {
+                "make `fit.batch`, `network.window` or `network.channels` smaller, or leave --device out"
+                    .into()
+            }
+            Self::Failed { .. } => {
+                "finished epochs are kept: add --resume, with --device cpu if the card does not come back"
+                    .into()
+            }
+            Self::Wrong { .. } => {
+                "another driver may do better; --device cpu goes on from the same checkpoint".into()
+            }
         }
     }
 }
@@ -102,7 +112,8 @@ impl Gpu {
         let device = WgpuDevice::default();
         let setup = try_init_setup::<AutoGraphicsApi>(&device, options).map_err(|error| failed(&error))?;
         let info = setup.adapter.get_info();
-        let adapter: Arc<str> = format!("{} ({}, {} {})", info.name, info.backend, info.driver, info.driver_info).into();
+        let adapter: Arc<str> =
+            format!("{} ({}, {} {})", info.name, info.backend, info.driver, info.driver_info).into();
         let engine = Engine::new(cubecl::Device::Wgpu(device).client(), Arc::clone(&adapter));
         let (wanted, waiting) = channel();
         let trainings = Arc::new(AtomicUsize::new(0));
@@ -174,7 +185,10 @@ fn serve(engine: &Engine, waiting: &Receiver<Wanted>, trainings: &AtomicUsize) {
 /// A driver that panics has failed.
 fn guarded<T>(engine: &Engine, work: impl FnOnce() -> Result<T, GpuError>) -> Result<T, GpuError> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let said = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+        let said = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied());
         Err(engine.failed(&said.unwrap_or("its driver gave up")))
     })
 }

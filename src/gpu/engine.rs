@@ -43,7 +43,12 @@ pub(crate) struct Steps {
 impl Steps {
     /// Steps that may go to the card together have this in common.
     pub(crate) fn alike(&self) -> (Arc<Shape>, usize, usize, bool) {
-        (Arc::clone(&self.shape), self.examples.rows(), self.batch, matches!(self.examples, Examples::Drawn { .. }))
+        (
+            Arc::clone(&self.shape),
+            self.examples.rows(),
+            self.batch,
+            matches!(self.examples, Examples::Drawn { .. }),
+        )
     }
 }
 
@@ -85,12 +90,23 @@ impl Engine {
     }
 
     /// Workgroups a network, and networks at a time.
-    fn spread(&self, job: &Job, batch: usize, networks: usize, out: usize) -> Result<(usize, usize), GpuError> {
+    fn spread(
+        &self,
+        job: &Job,
+        batch: usize,
+        networks: usize,
+        out: usize,
+    ) -> Result<(usize, usize), GpuError> {
         let most = (self.client.properties().memory.max_page_size as usize).min(ROOM);
         let each = 4 * job.plan.near.max(job.plan.far).max(out);
         if each > most {
             let adapter = self.adapter.to_string();
-            return Err(GpuError::Memory { adapter, what: "a window", bytes: each as u64, most: most as u64 });
+            return Err(GpuError::Memory {
+                adapter,
+                what: "a window",
+                bytes: each as u64,
+                most: most as u64,
+            });
         }
         let groups = batch.min(GROUPS).min(most / each);
         Ok((groups, (most / (each * groups)).clamp(1, networks)))
@@ -156,7 +172,8 @@ impl Engine {
         let (client, plan) = (&self.client, &job.plan);
         let (networks, parameters) = (gang.len(), plan.parameters);
         let steps = rows.div_ceil(batch);
-        let all = |of: fn(&Steps) -> &[f32]| Room::of(client, &gang.iter().map(of).collect::<Vec<_>>().concat());
+        let all =
+            |of: fn(&Steps) -> &[f32]| Room::of(client, &gang.iter().map(of).collect::<Vec<_>>().concat());
         let (weights, turned) = packed(shape, gang.iter().map(|steps| &steps.state.weights));
         let [weights, turned] = [weights, turned].map(|numbers| Room::of(client, &numbers));
         let of: [fn(&Steps) -> &Vec<f32>; 3] =

@@ -100,7 +100,8 @@ impl Plan {
             if into == count {
                 return length;
             }
-            let (kernel, stride, padding) = (config.kernels[into], config.strides[into], config.paddings[into]);
+            let (kernel, stride, padding) =
+                (config.kernels[into], config.strides[into], config.paddings[into]);
             let tiles = rows[into + 1].div_ceil(TILE) * TILE;
             (length + 2 * padding).max((tiles - 1) * stride + kernel)
         };
@@ -219,6 +220,9 @@ mod tests {
         // conv2.weight[o = 5, c = 3, k = 2] of [32, 16, 7].
         let at = plan.blocks[1].weight;
         let packed = at + (3 * 7 + 2) * 32 + 5;
-        assert_eq!((flat[packed] as usize, turned[packed] as usize), (at + (5 * 16 + 3) * 7 + 2, at + (2 * 32 + 5) * 16 + 3));
+        assert_eq!(
+            (flat[packed] as usize, turned[packed] as usize),
+            (at + (5 * 16 + 3) * 7 + 2, at + (2 * 32 + 5) * 16 + 3)
+        );
     }
 }

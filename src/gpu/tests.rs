@@ -121,10 +121,11 @@ fn answers_and_gradients_are_the_plain_compositions_for_any_configuration() {
             _ => Loss::Mse,
         };
         let mut said = Vec::new();
-        let (value, gradient) = Trainable::new(&config, &reference()).unwrap().gradient(&flat, &x, |answers| {
-            said = answers.to_vec();
-            loss(kind, config.output_scale() as f32, answers, &labels)
-        });
+        let (value, gradient) =
+            Trainable::new(&config, &reference()).unwrap().gradient(&flat, &x, |answers| {
+                said = answers.to_vec();
+                loss(kind, config.output_scale() as f32, answers, &labels)
+            });
         let adam = AdamConfig { beta1: 0.0, ..AdamConfig::default() };
         let training = Training::new(&gpu, &config, kind, adam, 0.0);
         let answers = training.answers(&flat, x.clone()).unwrap();
@@ -135,7 +136,10 @@ fn answers_and_gradients_are_the_plain_compositions_for_any_configuration() {
         // The gradient of a logarithm is as large as what it is of is small: rounding in a channel that hardly swings counts more.
         let tolerance = if config.pool == Pool::LogRms { 3e-4 } else { 1e-5 };
         assert!(values < 1e-5 && gradients < tolerance, "case {case}: {values:e} {gradients:e} {config:?}");
-        assert!((f64::from(losses[0]) - value).abs() < 1e-5 * value.abs().max(1.0), "case {case}: {losses:?} {value}");
+        assert!(
+            (f64::from(losses[0]) - value).abs() < 1e-5 * value.abs().max(1.0),
+            "case {case}: {losses:?} {value}"
+        );
     }
 }
 
@@ -160,7 +164,10 @@ fn random_words_are_the_known_ones() {
     let said = Room::empty(&client, 6);
     words_of::launch(&client, CubeCount::Static(1, 1, 1), CubeDim::new_1d(3), asked.arg(), said.arg());
     let bytes = client.read_one(said.handle).unwrap();
-    assert_eq!(u32::from_bytes(&bytes), [0x6b20_0159, 0x99ba_4efe, 0x1cb9_96fc, 0xbb00_2be7, 0xc492_3a9c, 0x483d_f7a0]);
+    assert_eq!(
+        u32::from_bytes(&bytes),
+        [0x6b20_0159, 0x99ba_4efe, 0x1cb9_96fc, 0xbb00_2be7, 0xc492_3a9c, 0x483d_f7a0]
+    );
 }
 
 /// A ramp, cleaned by means over three samples, which leave it; then noise of known level on top.
@@ -182,7 +189,8 @@ fn drawn_windows_are_recorded_ones_turned_about_under_noise_of_their_label() {
     let levels = (LevelDraw::Grid(5), [0.1, 0.5]);
     let source = Source::new(window, samples, places, &[filter], levels, turns);
     let chosen: Vec<[u32; 2]> = (0..rows).map(|row| [row % 3, row / 3]).collect();
-    let (windows, labels) = (Room::empty(&client, rows as usize * window), Room::empty(&client, rows as usize));
+    let (windows, labels) =
+        (Room::empty(&client, rows as usize * window), Room::empty(&client, rows as usize));
     source.draw(&client, &chosen, [3, 4], &windows, &labels, 0);
     let read = |room: Room| f32::from_bytes(&client.read_one(room.handle).unwrap()).to_vec();
     let (windows, labels) = (read(windows), read(labels));

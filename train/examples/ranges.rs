@@ -2,9 +2,9 @@
 //!
 //! `cargo run -p dpn-train --example ranges -- DATA WEIGHTS...`
 
-use dpn_train::Device;
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
+use dpn_train::Device;
 use dpn_train::config::TrainConfig;
 use dpn_train::trainer::Trainer;
 use dpn_train::{asl, corpus::to_train};

@@ -47,7 +47,12 @@ pub(crate) fn convolve(near: &mut [f32], weights: &[f32], #[comptime] block: Blo
 
 /// Adds a block's gradients with respect to its kernel; the gradient of its convolution stands at the place of its output.
 #[cube]
-pub(crate) fn convolve_weights(near: &mut [f32], gradient: &mut [f32], first: bool, #[comptime] block: Block) {
+pub(crate) fn convolve_weights(
+    near: &mut [f32],
+    gradient: &mut [f32],
+    first: bool,
+    #[comptime] block: Block,
+) {
     let outputs = comptime!(block.outputs);
     let rows = comptime!(block.inputs * block.kernel);
     let tiles = comptime!(rows.div_ceil(TILE));
@@ -83,7 +88,13 @@ pub(crate) fn convolve_weights(near: &mut [f32], gradient: &mut [f32], first: bo
 
 /// The gradient of a block's input at time step `t` and channel `c`.
 #[cube]
-pub(crate) fn convolve_back(near: &mut [f32], turned: &[f32], t: usize, c: usize, #[comptime] block: Block) -> f32 {
+pub(crate) fn convolve_back(
+    near: &mut [f32],
+    turned: &[f32],
+    t: usize,
+    c: usize,
+    #[comptime] block: Block,
+) -> f32 {
     let (stride, outputs) = comptime!((block.stride, block.outputs));
     let at = t + comptime!(block.padding);
     let (whole, phase) = (at / stride, at % stride);
@@ -93,7 +104,8 @@ pub(crate) fn convolve_back(near: &mut [f32], turned: &[f32], t: usize, c: usize
         let skipped = select(whole < comptime!(block.length), 0usize, whole - comptime!(block.length - 1));
         let mut j = skipped;
         while j <= last {
-            let mut weight = comptime!(block.weight) + (phase + j * stride) * comptime!(outputs * block.inputs) + c;
+            let mut weight =
+                comptime!(block.weight) + (phase + j * stride) * comptime!(outputs * block.inputs) + c;
             let d = comptime!(block.to) + (whole - j) * comptime!(block.to_pitch);
             for o in 0..outputs {
                 sum += near[d + o] * turned[weight];

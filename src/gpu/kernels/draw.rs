@@ -126,7 +126,8 @@ pub(crate) fn draw(
     let level: f32 = match comptime!(drawing.levels) {
         LevelDraw::Grid(count) => {
             let step = comptime!(1.0 / f32::max(count as f32 - 1.0, 1.0));
-            let at = u32::min(u32::cast_from(unit(level_word) * comptime!(count as f32)), comptime!(count - 1));
+            let at =
+                u32::min(u32::cast_from(unit(level_word) * comptime!(count as f32)), comptime!(count - 1));
             rule[0] + (rule[1] - rule[0]) * f32::cast_from(at) * step
         }
         LevelDraw::Uniform => rule[0] + (rule[1] - rule[0]) * unit(level_word),
@@ -153,7 +154,8 @@ pub(crate) fn draw(
         let at = kind * length + t;
         let mut sum = 0.0f32;
         for tap in 0..comptime!(drawing.taps) {
-            sum += weights[at * comptime!(drawing.taps) + tap] * (samples[from + starts[at] as usize + tap] - about);
+            sum += weights[at * comptime!(drawing.taps) + tap]
+                * (samples[from + starts[at] as usize + tap] - about);
         }
         clean[t] = sum;
         t += UNITS;

@@ -10,7 +10,13 @@ use dpn_pronet::definition::NORM_EPSILON;
 /// Turns the numbers at the place of a block's output into its output; keeps in `far` those before gain and offset, or, where the ReLU comes first, those before
 /// it.
 #[cube]
-pub(crate) fn finish(near: &mut [f32], far: &mut [f32], weights: &[f32], #[comptime] block: Block, #[comptime] leak: u32) {
+pub(crate) fn finish(
+    near: &mut [f32],
+    far: &mut [f32],
+    weights: &[f32],
+    #[comptime] block: Block,
+    #[comptime] leak: u32,
+) {
     let (outputs, length) = comptime!((block.outputs, block.length));
     let first = comptime!(block.order == BlockOrder::ConvActNorm);
     if comptime!(block.norm) {
@@ -40,7 +46,8 @@ pub(crate) fn finish(near: &mut [f32], far: &mut [f32], weights: &[f32], #[compt
         let at = comptime!(block.to) + t * comptime!(block.to_pitch) + o;
         let value = near[at];
         if comptime!(block.norm) {
-            let (mean, scale) = (near[comptime!(block.moments) + t], near[comptime!(block.moments) + length + t]);
+            let (mean, scale) =
+                (near[comptime!(block.moments) + t], near[comptime!(block.moments) + length + t]);
             let (gain, offset) = (weights[comptime!(block.gain) + o], weights[comptime!(block.offset) + o]);
             if first {
                 far[comptime!(block.kept) + item] = value;
@@ -63,7 +70,8 @@ pub(crate) fn finish(near: &mut [f32], far: &mut [f32], weights: &[f32], #[compt
 #[cube]
 fn normal(near: &mut [f32], kept: f32, t: usize, #[comptime] block: Block, #[comptime] leak: u32) -> f32 {
     if comptime!(block.order == BlockOrder::ConvActNorm) {
-        let (mean, scale) = (near[comptime!(block.moments) + t], near[comptime!(block.moments + block.length) + t]);
+        let (mean, scale) =
+            (near[comptime!(block.moments) + t], near[comptime!(block.moments + block.length) + t]);
         (leaky(kept, leak) - mean) * scale
     } else {
         kept
@@ -72,7 +80,14 @@ fn normal(near: &mut [f32], kept: f32, t: usize, #[comptime] block: Block, #[com
 
 /// From the gradient `d` of a block's output to that of what stands before the ReLU, where this comes last.
 #[cube]
-pub(crate) fn enter(weights: &[f32], kept: f32, d: f32, o: usize, #[comptime] block: Block, #[comptime] leak: u32) -> f32 {
+pub(crate) fn enter(
+    weights: &[f32],
+    kept: f32,
+    d: f32,
+    o: usize,
+    #[comptime] block: Block,
+    #[comptime] leak: u32,
+) -> f32 {
     if comptime!(!block.norm) {
         d * slope(kept, leak)
     } else if comptime!(block.order == BlockOrder::ConvActNorm) {
@@ -99,7 +114,8 @@ pub(crate) fn enter_from(
         let (t, o) = (item / outputs, item % outputs);
         let d = convolve_back(near, turned, t, o, next);
         let kept = far[comptime!(block.kept) + item];
-        near[comptime!(block.to) + t * comptime!(block.to_pitch) + o] = enter(weights, kept, d, o, block, leak);
+        near[comptime!(block.to) + t * comptime!(block.to_pitch) + o] =
+            enter(weights, kept, d, o, block, leak);
         item += UNITS;
     }
     sync_storage();
@@ -144,7 +160,8 @@ pub(crate) fn back(
                 - near[sums + t]
                 - normal(near, kept, t, block, leak) * near[sums + length + t];
             let d = centred * near[comptime!(block.moments + block.length) + t];
-            near[at] = if comptime!(block.order == BlockOrder::ConvActNorm) { d * slope(kept, leak) } else { d };
+            near[at] =
+                if comptime!(block.order == BlockOrder::ConvActNorm) { d * slope(kept, leak) } else { d };
             item += UNITS;
         }
         sync_storage();

@@ -45,11 +45,14 @@ pub(crate) fn pass(
     if comptime!(job.shared) {
         let mut near = Shared::<[f32]>::new_slice(comptime!(job.plan.near));
         windows_of(
-            &mut near, far, weights, turned, windows, labels, units, out, from, count, rows, network, group, job,
+            &mut near, far, weights, turned, windows, labels, units, out, from, count, rows, network, group,
+            job,
         );
     } else {
         let near = &mut near_room[group * comptime!(job.plan.near)..(group + 1) * comptime!(job.plan.near)];
-        windows_of(near, far, weights, turned, windows, labels, units, out, from, count, rows, network, group, job);
+        windows_of(
+            near, far, weights, turned, windows, labels, units, out, from, count, rows, network, group, job,
+        );
     }
 }
 
@@ -117,9 +120,25 @@ fn windows_of(
                 add(gradient, comptime!(plan.parameters), value, first);
             }
             sync_storage();
-            linears_back(near, turned, gradient, first, comptime!(plan.linears.len()), comptime!(plan.clone()));
+            linears_back(
+                near,
+                turned,
+                gradient,
+                first,
+                comptime!(plan.linears.len()),
+                comptime!(plan.clone()),
+            );
             tail::pool_back(near, far, weights, comptime!(plan.clone()));
-            blocks_back(near, far, weights, turned, gradient, first, comptime!(plan.blocks.len()), comptime!(plan.clone()));
+            blocks_back(
+                near,
+                far,
+                weights,
+                turned,
+                gradient,
+                first,
+                comptime!(plan.blocks.len()),
+                comptime!(plan.clone()),
+            );
         }
         taken += CUBE_COUNT_X;
     }
@@ -157,7 +176,15 @@ fn linears_back(
 ) {
     if comptime!(n > 0) {
         let features = comptime!((n == 1).then_some(plan.d_features));
-        tail::linear_back(near, turned, gradient, first, comptime!(plan.linears[n - 1]), features, comptime!(plan.leak));
+        tail::linear_back(
+            near,
+            turned,
+            gradient,
+            first,
+            comptime!(plan.linears[n - 1]),
+            features,
+            comptime!(plan.leak),
+        );
         linears_back(near, turned, gradient, first, comptime!(n - 1), plan);
     }
 }
@@ -178,7 +205,15 @@ fn blocks_back(
     norm::back(near, far, weights, gradient, first, comptime!(plan.sums), block, comptime!(plan.leak));
     conv::convolve_weights(near, gradient, first, block);
     if comptime!(n > 1) {
-        norm::enter_from(near, far, weights, turned, comptime!(plan.blocks[n - 2]), block, comptime!(plan.leak));
+        norm::enter_from(
+            near,
+            far,
+            weights,
+            turned,
+            comptime!(plan.blocks[n - 2]),
+            block,
+            comptime!(plan.leak),
+        );
         blocks_back(near, far, weights, turned, gradient, first, comptime!(n - 1), plan);
     }
 }

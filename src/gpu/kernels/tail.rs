@@ -179,7 +179,8 @@ pub(crate) fn loss(
             let error = sigma.ln() - label.ln();
             let ratio = error / spread;
             d = share * ratio / spread / sigma;
-            let inside = near[at + 1] >= comptime!(LOG_SPREAD_RANGE.0) && near[at + 1] <= comptime!(LOG_SPREAD_RANGE.1);
+            let inside = near[at + 1] >= comptime!(LOG_SPREAD_RANGE.0)
+                && near[at + 1] <= comptime!(LOG_SPREAD_RANGE.1);
             near[at + 1] = select(inside, share - share * ratio * ratio, 0.0f32);
             value = 0.5 * (ratio * ratio) + spread.ln();
         }

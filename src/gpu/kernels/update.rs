@@ -91,7 +91,8 @@ pub(crate) fn adam(
         let scale = select(clip > 0.0 && length > clip, clip / (length + 1e-6), 1.0f32);
         let at = network * parameters + own;
         let g = gradient[at] * scale;
-        let m = comptime!(f32::from_bits(constants.keep[0])) * mean[at] + comptime!(f32::from_bits(constants.take[0])) * g;
+        let m = comptime!(f32::from_bits(constants.keep[0])) * mean[at]
+            + comptime!(f32::from_bits(constants.take[0])) * g;
         let v = comptime!(f32::from_bits(constants.keep[1])) * square[at]
             + comptime!(f32::from_bits(constants.take[1])) * (g * g);
         let of = (network * steps as usize + step as usize) * STEP;
