@@ -58,11 +58,6 @@ impl OnCard {
         (SAMPLES / (self.batch * window)).clamp(1, STEPS)
     }
 
-    /// Whether the card draws examples itself.
-    pub(crate) fn draws(&self) -> bool {
-        self.source.is_some()
-    }
-
     /// Takes `state` through batches of the examples of `rows`, which `given` has drawn where the card does not; the mean loss of each.
     pub(crate) fn steps(
         &self,

@@ -1,11 +1,11 @@
 //! Batches and steps of several networks on the card: what is put there, which kernels run, what comes back.
 
-use crate::card::GpuError;
+use crate::error::GpuError;
 use crate::kernels::pass::{Job, pass};
 use crate::kernels::update::{Constants, adam, gather};
 use crate::plan::UNITS;
 use crate::room::Room;
-use crate::training::{Examples, State};
+use crate::state::{Examples, State};
 use cubecl::prelude::*;
 use std::fmt;
 use std::sync::Arc;

@@ -1,76 +1,17 @@
 //! One network's training on a card, from the side of whoever trains it.
 
-use crate::card::{Gpu, GpuError};
+use crate::card::Gpu;
 use crate::engine::{Asked, Shape, Steps, Wanted};
+use crate::error::GpuError;
 use crate::kernels::pass::Job;
+use crate::kernels::tail::Loss;
 use crate::kernels::update::Constants;
 use crate::plan::Plan;
-use crate::source::Source;
+use crate::state::{Examples, State, Step};
 use dpn_pronet::{AdamConfig, ProNetConfig};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
-
-/// What is minimised, as `dpn_train`'s configuration says it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Loss {
-    /// Mean square error in units of the output scale.
-    Mse,
-    /// Mean square error of the logarithm.
-    LogMse,
-    /// What a normal law of the logarithm is worth, whose deviation the network says too.
-    LogNll,
-}
-
-/// What steps change, each `[parameters]` in the order of [`dpn_pronet::shape::parameters`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// Weights as the optimiser sees them.
-    pub weights: Vec<f32>,
-    /// Their running mean.
-    pub averaged: Vec<f32>,
-    /// Adam's running mean of the gradient.
-    pub mean: Vec<f32>,
-    /// And of its squares.
-    pub square: Vec<f32>,
-}
-
-/// What one step is taken with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
-    /// Its number, from 1 at the run's first.
-    pub number: u64,
-    /// Learning rate.
-    pub rate: f64,
-    /// What the weights' running mean keeps of itself.
-    pub keep: f64,
-}
-
-/// What steps learn from.
-#[derive(Debug)]
-pub enum Examples {
-    /// These: windows, `[rows, window]`, and their labels, `[rows]`.
-    Given(Vec<f32>, Vec<f32>),
-    /// Drawn on the card.
-    Drawn {
-        /// From what.
-        source: Arc<Source>,
-        /// Window and number of the draw of each row, below 65,536.
-        rows: Vec<[u32; 2]>,
-        /// Of the epoch's stream.
-        key: [u32; 2],
-    },
-}
-
-impl Examples {
-    /// How many there are.
-    pub(crate) fn rows(&self) -> usize {
-        match self {
-            Self::Given(_, labels) => labels.len(),
-            Self::Drawn { rows, .. } => rows.len(),
-        }
-    }
-}
 
 /// A training on a card. Those that are there at the same time and of one shape take their steps together.
 #[derive(Debug)]

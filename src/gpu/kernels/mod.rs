@@ -4,7 +4,7 @@ mod conv;
 pub(crate) mod draw;
 mod norm;
 pub(crate) mod pass;
-mod tail;
+pub(crate) mod tail;
 pub(crate) mod update;
 mod window;
 

@@ -1,7 +1,7 @@
 //! Batches through the networks: a workgroup takes every so many windows of one network forth and, to learn from, back.
 
+use super::tail::Loss;
 use super::{add, conv, norm, tail, window};
-use crate::Loss;
 use crate::plan::{Plan, UNITS};
 use cubecl::prelude::*;
 

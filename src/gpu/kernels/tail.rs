@@ -2,11 +2,21 @@
 
 use super::norm::enter;
 use super::{add, leaky, slope};
-use crate::Loss;
 use crate::plan::{Linear, Plan, UNITS};
 use cubecl::prelude::*;
 use dpn_pronet::config::{Head, Pool};
 use dpn_pronet::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, POOL_EPSILON};
+
+/// What is minimised, as `dpn_train`'s configuration says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Loss {
+    /// Mean square error in units of the output scale.
+    Mse,
+    /// Mean square error of the logarithm.
+    LogMse,
+    /// What a normal law of the logarithm is worth, whose deviation the network says too.
+    LogNll,
+}
 
 /// Features of the last block's channels.
 #[cube]
