@@ -8,8 +8,8 @@ use crate::state::State;
 use crate::windows::WindowSet;
 use dpn_core::random::Stream;
 use dpn_gpu::{Examples, Gpu, GpuError, LevelDraw, Source, Step, Training, Turns};
+use dpn_pronet::Trainable;
 use dpn_pronet::adam::{Adam, AdamConfig, clip_length};
-use dpn_pronet::{Device, Trainable};
 use rand::Rng;
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl OnCard {
         config: &TrainConfig,
         adam: AdamConfig,
         set: &WindowSet,
-        weights: &[f32],
+        start: (&Trainable, &[f32]),
     ) -> Result<Self, GpuError> {
         let loss = match config.fit.loss {
             Loss::Mse => dpn_gpu::Loss::Mse,
@@ -49,7 +49,7 @@ impl OnCard {
         let training = Training::new(gpu, &config.network, loss, adam, config.fit.clip_norm);
         let source = drawn(config, set).map(Arc::new);
         let card = Self { training, source, batch: config.fit.batch, adam };
-        card.try_out(config, set, weights)?;
+        card.try_out(config, set, start)?;
         Ok(card)
     }
 
@@ -100,11 +100,15 @@ impl OnCard {
     }
 
     /// Answers and gradients of a few windows, here and there.
-    fn try_out(&self, config: &TrainConfig, set: &WindowSet, weights: &[f32]) -> Result<(), GpuError> {
+    fn try_out(
+        &self,
+        config: &TrainConfig,
+        set: &WindowSet,
+        (network, weights): (&Trainable, &[f32]),
+    ) -> Result<(), GpuError> {
         let rows = set.len().min(self.batch).min(8);
         let windows: Vec<f32> = (0..rows).flat_map(|index| set.raw(index, 0)).map(|v| *v as f32).collect();
         let labels = vec![config.levels().high as f32; rows];
-        let network = Trainable::new(&config.network, &Device::Cpu).expect("the configuration is checked");
         let mut here = Vec::new();
         let (_, mut gradient) = network.gradient(weights, &windows, |answers| {
             here = answers.to_vec();

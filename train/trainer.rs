@@ -137,13 +137,13 @@ impl Trainer {
         let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
         validation.disturb(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
+        let network = Trainable::new(&config.network, &dpn_pronet::Device::Cpu)?;
         let learner = match device {
-            Device::Cpu => Learner::Cpu(Trainable::new(&config.network, &dpn_pronet::Device::Cpu)?),
+            Device::Cpu => Learner::Cpu(network),
             #[cfg(feature = "wgpu")]
             Device::Gpu(gpu) => {
-                config.network.validate()?;
                 let weights = init::initial_parameters(&config.network, &stream.named("weights"));
-                Learner::Gpu(OnCard::new(gpu, &config, adam(&config), &fit, &weights)?)
+                Learner::Gpu(OnCard::new(gpu, &config, adam(&config), &fit, (&network, &weights))?)
             }
         };
         Ok(Self { config, fit, validation, truth, stream, learner })
