@@ -30,16 +30,19 @@ pub(crate) struct OnCard {
     source: Option<Arc<Source>>,
     batch: usize,
     adam: AdamConfig,
+    /// The same on the processor.
+    here: Trainable,
 }
 
 impl OnCard {
     /// Tries the card on a few windows against the processor, and brings there what examples are drawn from.
     pub(crate) fn new(
         gpu: &Gpu,
+        here: Trainable,
         config: &TrainConfig,
         adam: AdamConfig,
         set: &WindowSet,
-        start: (&Trainable, &[f32]),
+        weights: &[f32],
     ) -> Result<Self, GpuError> {
         let loss = match config.fit.loss {
             Loss::Mse => dpn_gpu::Loss::Mse,
@@ -48,8 +51,8 @@ impl OnCard {
         };
         let training = Training::new(gpu, &config.network, loss, adam, config.fit.clip_norm);
         let source = drawn(config, set).map(Arc::new);
-        let card = Self { training, source, batch: config.fit.batch, adam };
-        card.try_out(config, set, start)?;
+        let card = Self { training, source, batch: config.fit.batch, adam, here };
+        card.try_out(config, set, weights)?;
         Ok(card)
     }
 
@@ -99,18 +102,18 @@ impl OnCard {
         self.training.answers(weights, windows)
     }
 
-    /// Answers and gradients of a few windows, here and there.
-    fn try_out(
+    /// Holds answers and gradients of a few windows to the processor's.
+    pub(crate) fn try_out(
         &self,
         config: &TrainConfig,
         set: &WindowSet,
-        (network, weights): (&Trainable, &[f32]),
+        weights: &[f32],
     ) -> Result<(), GpuError> {
         let rows = set.len().min(self.batch).min(8);
         let windows: Vec<f32> = (0..rows).flat_map(|index| set.raw(index, 0)).map(|v| *v as f32).collect();
         let labels = vec![config.levels().high as f32; rows];
         let mut here = Vec::new();
-        let (_, mut gradient) = network.gradient(weights, &windows, |answers| {
+        let (_, mut gradient) = self.here.gradient(weights, &windows, |answers| {
             here = answers.to_vec();
             crate::loss::loss(config.fit.loss, config.network.output_scale(), answers, &labels)
         });

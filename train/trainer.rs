@@ -143,7 +143,7 @@ impl Trainer {
             #[cfg(feature = "wgpu")]
             Device::Gpu(gpu) => {
                 let weights = init::initial_parameters(&config.network, &stream.named("weights"));
-                Learner::Gpu(OnCard::new(gpu, &config, adam(&config), &fit, (&network, &weights))?)
+                Learner::Gpu(OnCard::new(gpu, network, &config, adam(&config), &fit, &weights)?)
             }
         };
         Ok(Self { config, fit, validation, truth, stream, learner })
@@ -198,6 +198,11 @@ impl Trainer {
             let losses = self.advance(epoch, lot, &mut next)?;
             for (batch, loss) in lot.chunks(batch).zip(losses) {
                 if !loss.is_finite() {
+                    // Or is it the card?
+                    #[cfg(feature = "wgpu")]
+                    if let Learner::Gpu(card) = &self.learner {
+                        card.try_out(&self.config, &self.fit, &state.weights)?;
+                    }
                     return Err(TrainError::Diverged { epoch: epoch + 1, loss });
                 }
                 loss_sum += loss * batch.len() as f64;

@@ -30,7 +30,7 @@ pub use collect::{Collected, collect};
 pub use error::{MissingShard, MixedShard, SweepError};
 pub use manifest::{Job, PlannedCell, SweepFolder, SweepManifest};
 pub use planning::{JobToPlan, LoopJob, PlanKind, Planned, Size, plan};
-pub use shard::{FailedLine, Node, ShardOutcome, TrainFault, Trainer, run_shard};
+pub use shard::{FailedLine, Node, ShardOutcome, TrainFault, Trainer, by_itself, run_shard};
 pub use shard_files::TRUTH;
 pub use spec::{JobSpec, TrainSpec};
 pub use status::{ShardState, ShardStatus, SweepStatus, status};

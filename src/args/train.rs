@@ -19,7 +19,7 @@ pub(crate) struct TrainArgs {
     /// Train many networks at once, as a plan asks for them (TOML, as configs/sweep/train.toml): sensors x configurations x seeds.
     #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "sets", "resume", "seed", "epochs", "base", "rate"])]
     pub(crate) many: Option<PathBuf>,
-    /// Trainings at a time; without it as many as there are cores.
+    /// Trainings at a time; without it as many as there are cores, on a GPU 16.
     #[arg(long, value_name = "N", requires = "many", value_parser = clap::value_parser!(u64).range(1..=4096))]
     pub(crate) jobs: Option<u64>,
     /// Configuration (TOML); without it the built-in default, which configs/train/{accel,gyro}.toml repeat.

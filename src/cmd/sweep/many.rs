@@ -3,13 +3,14 @@
 use super::trainer::CorpusTrainer;
 use crate::args::TrainArgs;
 use crate::cmd::cores::cores;
+use crate::cmd::device::CPU;
 use crate::cmd::{program, stop};
 use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::progress::{Progress, Silent};
 use dpn_eval::sweeps::{
-    JobToPlan, Node, PlanKind, Size, SweepError, SweepFolder, SweepManifest, TrainPlan, collect, plan,
-    run_shard,
+    JobToPlan, Node, PlanKind, Size, SweepError, SweepFolder, SweepManifest, TrainPlan, by_itself, collect,
+    plan, run_shard,
 };
 use std::path::Path;
 use std::sync::Mutex;
@@ -18,6 +19,8 @@ use std::time::Instant;
 
 /// Folder of the sweep, below the results'.
 const SWEEP: &str = "sweep";
+/// Trainings at a time that go to a card together.
+const ON_CARD: usize = 16;
 
 pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     if PlanKind::read(file)? != PlanKind::Train {
@@ -41,7 +44,8 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     let stop =
         stop::on_ctrl_c("epochs that were finished are kept, and the same command goes on from there")?;
     let clock = Instant::now();
-    let workers = args.jobs.map_or_else(cores, |jobs| jobs as usize).min(count);
+    let usual = if device == CPU { cores() } else { ON_CARD };
+    let workers = args.jobs.map_or(usual, |jobs| jobs as usize).min(count);
     let made = work_off(&folder, &trainer, workers, &stop)?;
     let done = collect(&folder, &out, false)?;
     let hours = clock.elapsed().as_secs_f64() / 3600.0;
@@ -88,6 +92,9 @@ fn work_off(
             threads: 1,
             cache: None,
         };
+        if workers >= cores() {
+            by_itself();
+        }
         let mut trainer = trainer.clone();
         loop {
             let shard = next.fetch_add(1, Ordering::Relaxed);
