@@ -95,6 +95,7 @@ fn unit(word: u32) -> f32 {
 /// `[kinds, window, taps]` and `[kinds, window]`, what each cleaned sample is made of and the first recorded one in it; `chosen`: `[rows, 2]`, window and number of the
 /// draw; `rule`: `[RULE]`. Out: `windows` from row `first` on, `[.., window]`, and `labels`, `[..]`.
 #[cube(launch)]
+#[allow(clippy::collapsible_if, reason = "the outer one is gone once the kernel is compiled")]
 pub(crate) fn draw(
     samples: &[f32],
     places: &[u32],
