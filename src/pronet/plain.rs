@@ -123,6 +123,7 @@ mod tests {
     use crate::config::NormAxes;
     use crate::init::initial_parameters;
     use crate::trainable::Trainable;
+    use burn::tensor::Device;
     use dpn_core::config::Validate;
     use dpn_core::random::Stream;
     use rand::Rng;
@@ -181,6 +182,7 @@ mod tests {
 
     #[test]
     fn kernels_and_plain_agree_in_values_and_gradients_for_any_configuration() {
+        let device = Device::flex().autodiff();
         let mut cases = 0;
         for case in 0..60 {
             let stream = Stream::new(11).named("fused").index(case);
@@ -196,7 +198,7 @@ mod tests {
                 .collect();
             let count = rng.random_range(1..40);
             let x = windows(count, config.window, &mut rng);
-            let [kernels, plain] = [crate::Device::Cpu, crate::Device::plain()].map(|device| {
+            let [kernels, plain] = [crate::Device::Cpu, crate::Device::Burn(device.clone())].map(|device| {
                 let mut said = Vec::new();
                 let gradient = Trainable::new(&config, &device).unwrap().gradient(&flat, &x, |answers| {
                     said = answers.to_vec();

@@ -19,14 +19,6 @@ pub enum Device {
     Burn(burn::tensor::Device),
 }
 
-#[cfg(feature = "burn")]
-impl Device {
-    /// The plain composition on burn's CPU backend, which kernels are held to.
-    pub fn plain() -> Self {
-        Self::Burn(burn::tensor::Device::flex().autodiff())
-    }
-}
-
 /// A network to be trained: parameters in, loss and gradient out.
 #[derive(Debug)]
 pub struct Trainable {
