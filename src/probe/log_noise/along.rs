@@ -69,6 +69,8 @@ impl Along {
         warnings.extend(changes.map(|found| format!("{}; {}", found.text, found.remedy.unwrap_or_default())));
         let behind = effective.as_ref().map_or(&[][..], |effective| &effective.behind);
         warnings.extend(report::behind(plan, &summary, behind, recording.rate()));
+        let at_rest = rest.iter().flat_map(|rest| report::at_rest(plan, &summary, rest, recording.rate()));
+        warnings.extend(at_rest);
         Ok(Self { track, summary, warnings, rest, effective, check })
     }
 

@@ -3,6 +3,7 @@
 use super::effective::Behind;
 use super::{Plan, TrackSummary};
 use crate::phases::Phase;
+use crate::rest_noise::RestNoise;
 use crate::text::{aligned, instrument, listed};
 use dpn_core::{SampleRate, Sensor};
 use std::fmt::Write;
@@ -66,6 +67,43 @@ pub(super) fn behind(
     let asked = behind.iter().filter(|_| !plan.noise.spec().is_constant());
     asked.filter_map(words).collect()
 }
+
+/// Tracks that say another noise at rest than the spectrum does, which sees more than a second at a time.
+pub(super) fn at_rest(
+    plan: &Plan<'_>,
+    summary: &TrackSummary,
+    rest: &RestNoise,
+    rate: SampleRate,
+) -> Vec<String> {
+    let asked = !plan.noise.spec().is_constant();
+    let Some(part) = summary.phase(Phase::Rest).filter(|_| asked) else { return Vec::new() };
+    let words = |sensor: Sensor| {
+        if part.outside.iter().any(|o| o.sensor == sensor && o.share > MOST_OF) {
+            return None;
+        }
+        let seen = rest.sensor(sensor).densities()?.map(|density| density.times(rate.hz().sqrt()));
+        let axes = part.of(sensor).map(|axis| axis.sigma.middle).zip(seen).zip(["x", "y", "z"]);
+        let ((said, seen), axis) = axes
+            .filter(|((said, seen), _)| !(seen.low / APART..seen.high * APART).contains(said))
+            .max_by(|((a, of_a), _), ((b, of_b), _)| {
+                (a / of_a.value).ln().abs().total_cmp(&(b / of_b.value).ln().abs())
+            })?;
+        Some(format!(
+            "NOT KNOWN: at rest {} says {} {} a sample of the {sensor}'s {axis}, and its spectrum there {} ({} to {}): in motion it may be as far off; \
+             the lines to paste are not its, and the odometry learns the noise in motion (dpn run --noise self)",
+            plan.noise.spec(),
+            two(said),
+            sensor.unit(),
+            two(seen.value),
+            two(seen.low),
+            two(seen.high)
+        ))
+    };
+    Sensor::ALL.into_iter().filter_map(words).collect()
+}
+
+/// A track that is further than this factor from the spectrum at rest says another noise.
+const APART: f64 = 1.5;
 
 /// A track within this factor of an interval agrees with it.
 const AGREES: f64 = 1.15;
