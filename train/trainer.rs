@@ -137,9 +137,16 @@ impl Trainer {
         let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
         validation.disturb(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
-        let network = Trainable::new(&config.network, &dpn_pronet::Device::Cpu)?;
+        let on = match device {
+            #[cfg(feature = "ndarray")]
+            Device::Ndarray => dpn_pronet::Device::ndarray(),
+            _ => dpn_pronet::Device::Cpu,
+        };
+        let network = Trainable::new(&config.network, &on)?;
         let learner = match device {
             Device::Cpu => Learner::Cpu(network),
+            #[cfg(feature = "ndarray")]
+            Device::Ndarray => Learner::Cpu(network),
             #[cfg(feature = "wgpu")]
             Device::Gpu(gpu) => {
                 let weights = init::initial_parameters(&config.network, &stream.named("weights"));
