@@ -145,6 +145,25 @@ fn behind(rows: &mut Rows) {
     }
 }
 
+#[test]
+fn an_estimate_that_the_spectrum_at_rest_contradicts_is_no_figure() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut still = rows(6_000, 5_000_000);
+    let said =
+        |rows: &Rows, name: &str| noise(&dir.path().join(name), rows, &["--noise", "diff2"]).well().stderr;
+    let white = said(&still, "white");
+    assert!(!white.contains("NOT KNOWN"), "{white}");
+    behind(&mut still);
+    let hidden = said(&still, "hidden");
+    for sensor in ["accel", "gyro"] {
+        let found = hidden.lines().any(|line| {
+            line.starts_with("warning: NOT KNOWN: at rest diff2 says")
+                && line.contains(&format!("of the {sensor}'s "))
+        });
+        assert!(found, "{sensor}: {hidden}");
+    }
+}
+
 /// 40 s in motion behind one pole and behind two, a log whose rate changes, and a gyroscope that is off.
 #[test]
 fn what_a_figure_cannot_be_made_of_is_said() {

@@ -160,7 +160,7 @@ fn what_is_neither_a_folder_nor_a_flight_is_named() {
     let begin = "error: there is no folder `hovr`, and no flight is called `hovr`; known are f01-hall-slow, ";
     assert!(done.stderr.starts_with(begin), "{done:?}");
     assert!(done.stderr.ends_with("or a flight of `dpn simulate flight --list`\n"), "{done:?}");
-    let table = format!("{}/imu0/data.csv", excerpt().display());
+    let table = format!("{}/mav0/imu0/data.csv", excerpt().display());
     let done = run(&format!("run {table}"));
     assert_eq!(done.code, Some(2), "{done:?}");
     assert!(

@@ -68,7 +68,8 @@ pub(super) fn behind(
     asked.filter_map(words).collect()
 }
 
-/// Tracks that say another noise at rest than the spectrum does, which sees more than a second at a time.
+/// Tracks that say another noise at rest than the spectrum does, which sees more than a second at a time. Where the log moves later its rest may be not quite still, so that less
+/// is no contradiction.
 pub(super) fn at_rest(
     plan: &Plan<'_>,
     summary: &TrackSummary,
@@ -77,6 +78,7 @@ pub(super) fn at_rest(
 ) -> Vec<String> {
     let asked = !plan.noise.spec().is_constant();
     let Some(part) = summary.phase(Phase::Rest).filter(|_| asked) else { return Vec::new() };
+    let moves = [Phase::Moving, Phase::Motors].into_iter().any(|phase| summary.phase(phase).is_some());
     let words = |sensor: Sensor| {
         if part.outside.iter().any(|o| o.sensor == sensor && o.share > MOST_OF) {
             return None;
@@ -84,7 +86,7 @@ pub(super) fn at_rest(
         let seen = rest.sensor(sensor).densities()?.map(|density| density.times(rate.hz().sqrt()));
         let axes = part.of(sensor).map(|axis| axis.sigma.middle).zip(seen).zip(["x", "y", "z"]);
         let ((said, seen), axis) = axes
-            .filter(|((said, seen), _)| !(seen.low / APART..seen.high * APART).contains(said))
+            .filter(|((said, seen), _)| *said > seen.high * APART || !moves && *said < seen.low / APART)
             .max_by(|((a, of_a), _), ((b, of_b), _)| {
                 (a / of_a.value).ln().abs().total_cmp(&(b / of_b.value).ln().abs())
             })?;
