@@ -1,8 +1,8 @@
 //! The networks of `dpn_pronet` learning on a GPU, by kernels in CubeCL over Vulkan, Metal and DirectX: forth and back in one workgroup a window, Adam over the flat
 //! parameters, examples drawn on the card, trainings of one shape together in one launch.
 //!
-//! * [`Gpu`]: a card. [`Training`]: one network's steps and answers on it, from any thread.
-//! * [`Source`], [`Examples`]: what is learned from, given or drawn there.
+//! * `Gpu`: a card. `Training`: one network's steps and answers on it, from any thread.
+//! * `Source`, `Examples`: what is learned from, given or drawn there.
 //!
 //! Numbers are the processor's but for rounding, and checkpoints go from one to the other; gradients are summed in a fixed order. Without the feature `wgpu` the crate is
 //! empty.
