@@ -122,13 +122,7 @@ impl OnCard {
         }
         let there = self.answers(weights, windows.clone())?;
         self.compare("answers", &here, &there)?;
-        let zeros = vec![0.0; weights.len()];
-        let mut state = dpn_gpu::State {
-            weights: weights.to_vec(),
-            averaged: zeros.clone(),
-            mean: zeros.clone(),
-            square: zeros,
-        };
+        let mut state = dpn_gpu::State::new(weights.to_vec());
         let step = [Step { number: 1, rate: 0.0, keep: 0.0 }];
         self.training.steps(&mut state, Examples::Given(windows, labels), rows, &step)?;
         // A first step's mean gradient is a share of the gradient.

@@ -84,9 +84,7 @@ mod card {
         let trainings: Vec<Training> = (0..networks)
             .map(|_| Training::new(&gpu, config, Loss::Mse, AdamConfig::default(), 1.0))
             .collect();
-        let weights = initial_parameters(config, &Stream::new(1).named("bench"));
-        let zeros = vec![0.0; weights.len()];
-        let state = State { averaged: weights.clone(), weights, mean: zeros.clone(), square: zeros };
+        let state = State::new(initial_parameters(config, &Stream::new(1).named("bench")));
         let turns = Turns { offset: true, sign: true, reverse: true, grow_share: 0.0, factors: [1.0; 2] };
         let identity: Vec<f64> =
             (0..config.window.pow(2)).map(|i| f64::from(u8::from(i % (config.window + 1) == 0))).collect();

@@ -170,9 +170,8 @@ pub fn watched_run(
     }
     let levels = output.updates.iter().rev().find_map(|update| update.levels.as_deref());
     let against = doubts(&output.report, levels);
-    let doubted = !against.is_empty() || axes.warning().is_some();
     let info = RunInfo { front_end: images.as_ref().map(|images| images.figures.clone()), ..info };
-    let report = Report {
+    let mut report = Report {
         row: judge(recording, &info, &output)?.row,
         warnings: warnings(recording, &info, (&frames, images.as_ref()), &output, &health, &axes)
             .into_iter()
@@ -191,9 +190,11 @@ pub fn watched_run(
         bias_jumps: output.report.jumps.clone(),
         lens_px: output.report.lens_px,
         learned: levels.map(LearnedLevels::of),
-        learned_noise: LearnedNoise::of(recording, &settings_for(config, spec), &output, &noise, doubted),
+        learned_noise: None,
         noise_rms: noise_rms(&noise),
     };
+    let doubted = report.is_doubted();
+    report.learned_noise = LearnedNoise::of(recording, &settings_for(config, spec), &output, &noise, doubted);
     Ok(JudgedRun { report, output, noise, frames })
 }
 

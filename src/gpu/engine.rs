@@ -79,7 +79,8 @@ impl Engine {
 
     pub(crate) fn failed(&self, error: &dyn fmt::Display) -> GpuError {
         // What follows is where in the program it happened.
-        let reason = error.to_string().split("Backtrace:").next().unwrap_or_default().trim().to_owned();
+        let error = error.to_string();
+        let reason = error.split_once("Backtrace:").map_or(&*error, |(reason, _)| reason).trim().to_owned();
         GpuError::Failed { adapter: self.adapter.to_string(), reason }
     }
 
@@ -87,6 +88,11 @@ impl Engine {
     fn placed(&self, job: &Job) -> Job {
         let shared = 4 * job.plan.near <= self.client.properties().hardware.max_shared_memory_size;
         Job { shared, ..job.clone() }
+    }
+
+    /// Bytes that are bound at a time.
+    fn most(&self) -> usize {
+        (self.client.properties().memory.max_page_size as usize).min(ROOM)
     }
 
     /// Workgroups a network, and networks at a time.
@@ -97,16 +103,11 @@ impl Engine {
         networks: usize,
         out: usize,
     ) -> Result<(usize, usize), GpuError> {
-        let most = (self.client.properties().memory.max_page_size as usize).min(ROOM);
+        let most = self.most();
         let each = 4 * job.plan.near.max(job.plan.far).max(out);
         if each > most {
             let adapter = self.adapter.to_string();
-            return Err(GpuError::Memory {
-                adapter,
-                what: "a window",
-                bytes: each as u64,
-                most: most as u64,
-            });
+            return Err(GpuError::Memory { adapter, bytes: each as u64, most: most as u64 });
         }
         let groups = batch.min(GROUPS).min(most / each);
         Ok((groups, (most / (each * groups)).clamp(1, networks)))
@@ -119,7 +120,7 @@ impl Engine {
         let (weights, turned) = packed(&asked.shape, [&asked.weights]);
         let [weights, turned] = [weights, turned].map(|numbers| Room::of(&self.client, &numbers));
         let units = Room::of(&self.client, &asked.units);
-        let most = (self.client.properties().memory.max_page_size as usize).min(ROOM);
+        let most = self.most();
         let mut answers = Vec::new();
         for windows in asked.windows.chunks((most / (4 * plan.window)).max(1) * plan.window) {
             let rows = windows.len() / plan.window;

@@ -16,6 +16,14 @@ pub struct State {
     pub square: Vec<f32>,
 }
 
+impl State {
+    /// Before the first step.
+    pub fn new(weights: Vec<f32>) -> Self {
+        let zeros = vec![0.0; weights.len()];
+        Self { averaged: weights.clone(), weights, mean: zeros.clone(), square: zeros }
+    }
+}
+
 /// What one step is taken with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {

@@ -53,11 +53,6 @@ fn apart(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).fold(0f32, |m, (x, y)| m.max((x - y).abs())) / largest
 }
 
-fn start(weights: Vec<f32>) -> State {
-    let zeros = vec![0.0; weights.len()];
-    State { averaged: weights.clone(), weights, mean: zeros.clone(), square: zeros }
-}
-
 /// Mean loss and its derivatives, as `dpn_train` has them.
 fn loss(kind: Loss, unit: f32, answers: &[f32], labels: &[f32]) -> (f64, Vec<f32>) {
     let outputs = answers.len() / labels.len();
@@ -119,7 +114,7 @@ fn answers_and_gradients_are_the_processors_for_any_configuration() {
         let adam = AdamConfig { beta1: 0.0, ..AdamConfig::default() };
         let training = Training::new(&gpu, &config, kind, adam, 0.0);
         let answers = training.answers(&flat, x.clone()).unwrap();
-        let mut state = start(flat);
+        let mut state = State::new(flat);
         let step = [Step { number: 1, rate: 0.0, keep: 0.0 }];
         let losses = training.steps(&mut state, Examples::Given(x, labels), count, &step).unwrap();
         let (values, gradients) = (apart(&answers, &said), apart(&state.mean, &gradient));

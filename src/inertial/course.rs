@@ -93,7 +93,8 @@ impl Course {
         let mut seconds = 0.0;
         (from..self.len()).map(move |i| {
             let t = Stamp::from_ns((1e9 * seconds) as i64);
-            seconds += self.step_s.get(i).copied().unwrap_or_default();
+            // No step follows the last one.
+            seconds += self.step_s.get(i).unwrap_or(&0.0);
             ImuSample { t, gyro: self.gyro[i].into(), accel: self.accel[i].into() }
         })
     }

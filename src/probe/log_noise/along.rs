@@ -62,15 +62,21 @@ impl Along {
                 .transpose()?,
             None => None,
         };
-        let rest = RestNoise::of(recording, &summary.stretches)?;
+        let parts = rates::parts(recording)?;
+        let rest = RestNoise::in_parts(recording, &summary.stretches, &parts)?;
         let effective = EffectiveNoise::of(recording, &summary.stretches, rest.as_ref())?;
         let mut warnings = report::warnings(plan, &summary);
-        let changes = rates::finding(&rates::parts(recording)?);
-        warnings.extend(changes.map(|found| format!("{}; {}", found.text, found.remedy.unwrap_or_default())));
-        let behind = effective.as_ref().map_or(&[][..], |effective| &effective.behind);
-        warnings.extend(report::behind(plan, &summary, behind, recording.rate()));
-        let at_rest = rest.iter().flat_map(|rest| report::at_rest(plan, &summary, rest, recording.rate()));
-        warnings.extend(at_rest);
+        warnings.extend(rates::finding(&parts).map(|found| {
+            format!("{}; {}", found.text, found.remedy.expect("a bad finding says what to do"))
+        }));
+        // What was given is no estimate.
+        if !plan.noise.spec().is_constant() {
+            let behind = effective.as_ref().map_or(&[][..], |effective| &effective.behind);
+            warnings.extend(report::behind(plan, &summary, behind, recording.rate()));
+            let at_rest =
+                rest.iter().flat_map(|rest| report::at_rest(plan, &summary, rest, recording.rate()));
+            warnings.extend(at_rest);
+        }
         Ok(Self { track, summary, warnings, rest, effective, check })
     }
 

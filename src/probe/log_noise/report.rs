@@ -14,6 +14,12 @@ const LOUD: f64 = 0.1;
 /// Share from which a median is one of what was extrapolated.
 const MOST_OF: f64 = 0.5;
 
+/// A track within this factor of an interval agrees with it.
+const AGREES: f64 = 1.15;
+
+/// A track that is further than this factor from the spectrum at rest says another noise.
+const APART: f64 = 1.5;
+
 /// The warnings that go before everything else: estimates of what no network has seen.
 pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     let mut all = Vec::new();
@@ -64,8 +70,7 @@ pub(super) fn behind(
             two(high)
         ))
     };
-    let asked = behind.iter().filter(|_| !plan.noise.spec().is_constant());
-    asked.filter_map(words).collect()
+    behind.iter().filter_map(words).collect()
 }
 
 /// Tracks that say another noise at rest than the spectrum does, which sees more than a second at a time. Where the log moves later its rest may be not quite still, so that less
@@ -76,8 +81,7 @@ pub(super) fn at_rest(
     rest: &RestNoise,
     rate: SampleRate,
 ) -> Vec<String> {
-    let asked = !plan.noise.spec().is_constant();
-    let Some(part) = summary.phase(Phase::Rest).filter(|_| asked) else { return Vec::new() };
+    let Some(part) = summary.phase(Phase::Rest) else { return Vec::new() };
     let moves = [Phase::Moving, Phase::Motors].into_iter().any(|phase| summary.phase(phase).is_some());
     let words = |sensor: Sensor| {
         if part.outside.iter().any(|o| o.sensor == sensor && o.share > MOST_OF) {
@@ -103,12 +107,6 @@ pub(super) fn at_rest(
     };
     Sensor::ALL.into_iter().filter_map(words).collect()
 }
-
-/// A track that is further than this factor from the spectrum at rest says another noise.
-const APART: f64 = 1.5;
-
-/// A track within this factor of an interval agrees with it.
-const AGREES: f64 = 1.15;
 
 /// The page: how the log went, and quantiles by phase, per sample and as densities.
 pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {

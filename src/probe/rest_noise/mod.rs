@@ -16,6 +16,7 @@ pub use stretch::Held;
 
 use crate::doctor::values::step;
 use crate::phases::Stretch;
+use crate::rates::{self, Part};
 use dpn_core::noise::Interval;
 use dpn_core::{Recorded, SampleRate, Sensor};
 use serde::Serialize;
@@ -131,7 +132,16 @@ impl RestNoise {
     /// # Errors
     /// As [`Samples::piece`](dpn_core::Samples::piece).
     pub fn of(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<Self>> {
-        let Some(rows) = Rows::longest(recording, stretches, LEAST_S)? else { return Ok(None) };
+        Self::in_parts(recording, stretches, &rates::parts(recording)?)
+    }
+
+    /// As [`of`](Self::of), where the parts of a rate each are known.
+    pub(crate) fn in_parts(
+        recording: &dyn Recorded,
+        stretches: &[Stretch],
+        parts: &[Part],
+    ) -> io::Result<Option<Self>> {
+        let Some(rows) = Rows::longest(recording, stretches, parts, LEAST_S)? else { return Ok(None) };
         let sensor = |sensor: Sensor| {
             let mut axes = [const { None }; 3];
             for (axis, found) in axes.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! The longest stretch at rest as even series: single lost samples bridged, rows that repeat a sensor's last value left out.
 
 use crate::phases::{Phase, Stretch, phase_at};
-use crate::rates;
+use crate::rates::{self, Part};
 use dpn_core::{Recorded, SampleRate, Sensor};
 use serde::Serialize;
 use std::io;
@@ -78,12 +78,12 @@ impl Rows {
     pub(super) fn longest(
         recording: &dyn Recorded,
         stretches: &[Stretch],
+        parts: &[Part],
         least_s: f64,
     ) -> io::Result<Option<Self>> {
         let period = recording.rate().period();
         let start = recording.span()[0];
-        let parts = rates::parts(recording)?;
-        let one_rate = rates::longest(&parts).map_or([0.0, f64::INFINITY], |part| part.span_s);
+        let one_rate = rates::longest(parts).map_or([0.0, f64::INFINITY], |part| part.span_s);
         let mut even = 0;
         recording.pairs(&mut |a, b| even += usize::from(is_even(b.t.seconds_since(a.t) / period)))?;
         let tells = tell_of_loss(even, recording.len() - 1);
