@@ -1,7 +1,7 @@
 //! Numbers that stand in README, book and `targets.csv` and are read from results that commands leave: the study's own tables in
 //! `figures/euroc/tables` (`dpn paper`) and the JSON in `docs/results`, whose README names each file's command.
 //!
-//! A marked number is `<!-- n:study/self/ratio -->0.88 (0.73 to 1.07)<!-- /n -->`. `cargo xtask book` writes every marked number anew; a test
+//! A marked number is `<!--n:study/self/ratio-->0.88 (0.73 to 1.07)<!--/n-->`. `cargo xtask book` writes every marked number anew; a test
 //! names those that are stale.
 //!
 //! | key | number |
@@ -28,9 +28,9 @@ use std::collections::BTreeMap;
 /// A row a target; `targets` makes the page of it.
 pub(crate) const TARGETS: &str = "docs/targets.csv";
 const TABLES: &str = "figures/euroc/tables";
-const BEGIN: &str = "<!-- n:";
-const CLOSE: &str = " -->";
-const END: &str = "<!-- /n -->";
+const BEGIN: &str = "<!--n:";
+const CLOSE: &str = "-->";
+const END: &str = "<!--/n-->";
 
 /// A row of a table by the names of its columns.
 type Record = BTreeMap<String, String>;
@@ -291,11 +291,6 @@ fn of_faults(quantity: &str) -> String {
     let (mut lines, mut without) = (Vec::new(), Vec::new());
     for (fault, rows) in &faults {
         let said = rows.iter().filter(|row| row["is"] == "said").count();
-        let silent: Vec<_> = rows
-            .iter()
-            .filter(|row| row["is"] == "silent")
-            .map(|row| row["recording"].as_str().unwrap())
-            .collect();
         let mut names: BTreeMap<&str, usize> = BTreeMap::new();
         for name in rows.iter().flat_map(|row| row["names"].as_array().unwrap()) {
             *names.entry(name.as_str().unwrap()).or_default() += 1;
@@ -317,11 +312,10 @@ fn of_faults(quantity: &str) -> String {
         };
         let cells = [
             fault.clone(),
-            format!("{said} of {}", rows.len()),
+            format!("{said}/{}", rows.len()),
             names.join(", "),
             most(errors, |factor| format!("{}x", two_digits(factor))),
-            most(scales, percent),
-            silent.join(", "),
+            most(scales, |share| format!("{:.0}", 100.0 * share)),
         ];
         match cells[3].as_str() {
             "no pose" => without.push(cells[0].clone()),
@@ -331,7 +325,7 @@ fn of_faults(quantity: &str) -> String {
     if quantity == "without" {
         return without.join(", ");
     }
-    block(["fault", "said on", "as", "error at most", "scale off by at most", "silent on"], lines)
+    block(["fault", "said on", "as", "error at most", "scale off by at most \\[%\\]"], lines)
 }
 
 /// A table as Markdown, between empty lines.
@@ -610,7 +604,7 @@ fn filled(text: &str) -> String {
 
 /// The text without marks.
 pub(crate) fn plain(text: &str) -> String {
-    let parts = text.split("<!-- ").enumerate();
+    let parts = text.split("<!--").enumerate();
     parts
         .map(|(i, part)| if i == 0 { part } else { part.split_once(CLOSE).map_or("", |(_, rest)| rest) })
         .collect()
@@ -635,7 +629,7 @@ fn marked_numbers_are_those_of_the_results() {
 #[test]
 fn readme_book_targets_and_the_study_begin_with_one_answer() {
     for path in ["README.md", "docs/src/index.md", "docs/src/does-it-help.md", TARGETS] {
-        assert!(read(path).contains("<!-- n:headline -->"), "{path} has no headline");
+        assert!(read(path).contains("<!--n:headline-->"), "{path} has no headline");
     }
     let [ours, paper] = gains().map(percent);
     let [x1, dualpronet] = ["x1", "dualpronet"].map(mean);
@@ -664,5 +658,5 @@ fn a_probability_has_two_digits() {
 
 #[test]
 fn a_text_without_marks_keeps_its_words() {
-    assert_eq!(plain("a <!-- n:x/y -->0.1<!-- /n --> b"), "a 0.1 b");
+    assert_eq!(plain("a <!--n:x/y-->0.1<!--/n--> b"), "a 0.1 b");
 }
