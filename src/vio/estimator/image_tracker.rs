@@ -5,10 +5,10 @@
 //! made once serve every noise, and [`Estimator::feed_frame`](crate::Estimator::feed_frame) makes of them what
 //! [`Estimator::feed_image`](crate::Estimator::feed_image) makes of the images.
 //!
-//! The first two seconds are looked at twice. Points are foreseen by the gyroscope's turns: with a camera that is late they are foreseen in wrong places and
+//! The first two seconds are looked at beforehand. Points are foreseen by the gyroscope's turns: with a camera that is late they are foreseen in wrong places and
 //! lost, and nothing can be built on those that are left, also once the clock is found. So a tracker goes before until it has found it; then points are
-//! followed through the same images anew. What comes out of a camera whose clock is right is the same as without. A camera at rest says nothing of its clock, and is
-//! followed by any: there the tracker goes before again when the gyroscope begins to turn.
+//! followed through the same images anew. Of a camera whose clock is right they would be the same points: what the tracker that went before has found is taken as it is.
+//! A camera at rest says nothing of its clock, and is followed by any: there the tracker goes before again when the gyroscope begins to turn.
 
 use super::feed_error::FeedError;
 use super::spike::SpikeFilter;
@@ -59,8 +59,8 @@ pub struct ImageTracker {
     scout: Option<Scout>,
     /// The gyroscope's rate while the camera rests and nothing is known of its clock, in the body's axes \[rad/s\].
     resting: Option<Vector3<f64>>,
-    /// Those that the scout has seen, before those that wait.
-    again: VecDeque<(Stamp, GrayImage)>,
+    /// Those that the scout has seen, before those that wait, with what it made of them where that holds.
+    again: VecDeque<(Stamp, GrayImage, Option<Fed>)>,
     waiting: VecDeque<(Stamp, GrayImage)>,
     newest_image: Option<Stamp>,
     newest_sample: Option<Stamp>,
@@ -222,16 +222,16 @@ impl ImageTracker {
 
     /// When the next image was taken on the IMU's clock, where samples have reached it.
     fn reached(&self) -> Option<Stamp> {
-        let (t, _) = self.again.front().or(self.waiting.front())?;
-        let t = self.on_imu_clock(*t);
+        let again = self.again.front().map(|(t, ..)| *t);
+        let t = self.on_imu_clock(again.or(self.waiting.front().map(|(t, _)| *t))?);
         let read_out = t.plus_seconds(0.5 * self.readout_s().abs());
         (self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest)).then_some(t)
     }
 
     /// The next image, where samples have reached it: those seen by the scout come again.
-    fn next_image(&mut self) -> Option<(Stamp, GrayImage)> {
+    fn next_image(&mut self) -> Option<(Stamp, GrayImage, Option<Fed>)> {
         self.reached()?;
-        self.again.pop_front().or_else(|| self.waiting.pop_front())
+        self.again.pop_front().or_else(|| self.waiting.pop_front().map(|(t, image)| (t, image, None)))
     }
 
     /// The gyroscope's mean rate before `t` on the IMU's clock \[rad/s\]; none where samples do not cover it.
@@ -262,7 +262,7 @@ impl ImageTracker {
         self.scout_again();
         let Some(mut scout) = self.scout.take() else { return true };
         loop {
-            let Some((t, image)) = self.next_image() else {
+            let Some((t, image, _)) = self.next_image() else {
                 if self.imu_ended || self.images_ended {
                     break;
                 }
@@ -273,14 +273,15 @@ impl ImageTracker {
                 break;
             }
         }
-        let found = scout.tracker.clock();
-        self.again = scout.seen;
-        if let Some((first, _)) = self.again.front().filter(|_| found.found.is_some()) {
+        let Scout { tracker, seen, mut made } = scout;
+        let found = tracker.clock();
+        if let Some((first, _)) = seen.front().filter(|_| found.found.is_some()) {
             self.gyro.move_last(found.offset_s - self.clock().offset_s);
             self.clock.begin_at(found.offset_s, *first);
+            made.clear();
         }
-        if !scout.tracker.clock.is_known()
-            && let Some((last, _)) = self.again.back()
+        if !tracker.clock.is_known()
+            && let Some((last, _)) = seen.back()
         {
             let last = self.on_imu_clock(*last);
             let rates = [last, last.plus_seconds(-RATE_S)].map(|t| self.rate_before(t));
@@ -288,7 +289,28 @@ impl ImageTracker {
                 .zip(rates[1])
                 .and_then(|(now, before)| ((now - before).norm() < 0.5 * BEGINS_TO_TURN).then_some(now));
         }
+        if found.found.is_none() {
+            (self.front_end, self.gyro, self.clock) = (tracker.front_end, tracker.gyro, tracker.clock);
+        }
+        self.again = seen.into_iter().map(|(t, image)| (t, image, made.pop_front())).collect();
         true
+    }
+
+    /// Follows points into an image that samples have reached.
+    fn follow(&mut self, t: Stamp, image: &GrayImage) -> Fed {
+        let on_imu_clock = self.on_imu_clock(t);
+        let lines = self.line_turns(on_imu_clock);
+        let turn = self.gyro.until(on_imu_clock);
+        let turn = turn.map(|turn| turn_of_camera(&turn, &self.body_from_cam));
+        let mut fed = self.front_end.feed_lines(image.view(), t, turn.as_ref(), lines);
+        match &mut fed.frame {
+            None => self.forget_before(on_imu_clock),
+            Some(frame) => {
+                frame.clock_s = self.clock().offset_s;
+                self.look_at_clock(frame);
+            }
+        }
+        fed
     }
 
     /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
@@ -297,23 +319,12 @@ impl ImageTracker {
             if !self.is_scouted() {
                 return None;
             }
-            let (t, image) = self.next_image()?;
+            let (t, image, made) = self.next_image()?;
             observer.begin(t);
-            let on_imu_clock = self.on_imu_clock(t);
-            let lines = self.line_turns(on_imu_clock);
-            let turn = self.gyro.until(on_imu_clock);
-            let turn = turn.map(|turn| turn_of_camera(&turn, &self.body_from_cam));
-            let mut fed = self.front_end.feed_lines(image.view(), t, turn.as_ref(), lines);
-            if let Some(frame) = &mut fed.frame {
-                frame.clock_s = self.clock().offset_s;
-            }
+            let fed = made.unwrap_or_else(|| self.follow(t, &image));
             observer.end(&image, &fed);
-            match &fed.frame {
-                None => self.forget_before(on_imu_clock),
-                Some(frame) => {
-                    self.look_at_clock(frame);
-                    return fed.frame;
-                }
+            if fed.frame.is_some() {
+                return fed.frame;
             }
         }
     }
@@ -324,18 +335,22 @@ impl ImageTracker {
 struct Scout {
     tracker: Box<ImageTracker>,
     seen: VecDeque<(Stamp, GrayImage)>,
+    /// What was made of those.
+    made: VecDeque<Fed>,
 }
 
 impl Scout {
     /// With a tracker that has no scout.
     fn new(tracker: ImageTracker) -> Self {
-        Self { tracker: Box::new(tracker), seen: VecDeque::new() }
+        Self { tracker: Box::new(tracker), seen: VecDeque::new(), made: VecDeque::new() }
     }
 
     /// Looks at an image that samples have reached; whether it has looked long enough.
     fn look(&mut self, t: Stamp, image: GrayImage) -> bool {
         self.tracker.waiting.push_back((t, image.clone()));
-        while self.tracker.next_frame(&mut ()).is_some() {}
+        while let Some((t, image, _)) = self.tracker.next_image() {
+            self.made.push_back(self.tracker.follow(t, &image));
+        }
         self.seen.push_back((t, image));
         let (first, _) = self.seen.front().expect("one was just added");
         self.tracker.turns().is_known() || t.seconds_since(*first) > SCOUTED_S

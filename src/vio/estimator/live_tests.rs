@@ -6,7 +6,7 @@ use super::{
 };
 use crate::components::ComponentsConfig;
 use crate::frontend::tests::wall::{Wall, half_camera, stamp};
-use crate::frontend::{Fed, Status};
+use crate::frontend::{Fed, FrontEndConfig, Status};
 use crate::init::WaitReason;
 use crate::preint::NoisySample;
 use dpn_core::camera::CameraModel;
@@ -211,6 +211,16 @@ fn who_looks_on_sees_every_image_once_and_changes_no_bit_nor_do_tracks_made_befo
         while tracker.next_frame(&mut alone).is_some() {}
     }
     assert_eq!(alone.frames, seen.frames);
+    // What a tracker that looks for the clock hands over where that is right is what one hands over that is told so.
+    let told = FrontEndConfig { time_offset_s: Some(0.0), ..config };
+    let mut told = ImageTracker::new(told, half_camera(), UnitQuaternion::identity(), 1).unwrap();
+    case.samples.iter().for_each(|s| told.feed_imu(&s.sample).unwrap());
+    let mut frames = Vec::new();
+    for (k, image) in case.images.iter().enumerate() {
+        told.feed_image(image.view(), stamp(k)).unwrap();
+        frames.extend(std::iter::from_fn(|| told.next_frame(&mut ())));
+    }
+    assert_eq!(frames, alone.frames);
     let mut settings = self::config();
     settings.fed_tracks = FedTracks::Followed;
     let mut estimator = Estimator::new(settings, half_camera(), Isometry3::identity(), 1).unwrap();
