@@ -125,6 +125,22 @@ typedef struct {
   double unsure[8];
 } dpn_noise;
 
+// A gyroscope's bias that a network learns.
+typedef uint64_t dpn_gyro_bias;
+
+// What takes a reading of the gyroscope to a rate: `matrix * reading + bias`. Give it to an estimator as a calibration and a slow bias; no sample is to be corrected by
+// anything quicker.
+typedef struct {
+  // Row by row.
+  double matrix[9];
+  // The calibration's bias and the network's average [rad/s].
+  double bias[3];
+  // 0 until the network has seen as much past as it looks at: the bias is the calibration's then.
+  uint8_t known;
+  // 1 while samples come at a rate more than 5 % off the network's: thin or resample them.
+  uint8_t wrong_rate;
+} dpn_gyro_correction;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -297,6 +313,30 @@ dpn_status dpn_odometry_warning(dpn_odometry odometry,
 
 // Frees an odometry.
 dpn_status dpn_odometry_free(dpn_odometry odometry);
+
+// Reads a network of `dpn train --model inertial` (network.safetensors), of this very IMU.
+//
+// # Safety
+// `path` is null or a string that ends with a zero; `gyro_bias` is null or may be written to.
+dpn_status dpn_gyro_bias_load(const char *path, dpn_gyro_bias *gyro_bias);
+
+// Feeds a sample: its stamp in ns, angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.
+//
+// # Safety
+// `gyro` and `accel` are null or point to three doubles each.
+dpn_status dpn_gyro_bias_feed(dpn_gyro_bias gyro_bias,
+                              int64_t t_ns,
+                              const double *gyro,
+                              const double *accel);
+
+// Asks what holds at the newest sample.
+//
+// # Safety
+// `correction` is null or may be written to.
+dpn_status dpn_gyro_bias_correction(dpn_gyro_bias gyro_bias, dpn_gyro_correction *correction);
+
+// Frees it.
+dpn_status dpn_gyro_bias_free(dpn_gyro_bias gyro_bias);
 
 #ifdef __cplusplus
 }  // extern "C"

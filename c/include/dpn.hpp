@@ -109,6 +109,19 @@ private:
     };
 };
 
+// A gyroscope's bias, by a network of `dpn train --model inertial` of this very IMU, beside running samples.
+class GyroBias : public Handle<dpn_gyro_bias_free> {
+public:
+    explicit GyroBias(const std::string &path) { check(dpn_gyro_bias_load(path.c_str(), &number)); }
+    void feed(int64_t t_ns, const double gyro[3], const double accel[3]) { check(dpn_gyro_bias_feed(number, t_ns, gyro, accel)); }
+    // matrix * reading + bias is the rate; slow, for an estimator's bias and not for its samples.
+    dpn_gyro_correction correction() const {
+        dpn_gyro_correction correction;
+        check(dpn_gyro_bias_correction(number, &correction));
+        return correction;
+    }
+};
+
 // A level that another estimator's residuals tune.
 class Level : public Handle<dpn_level_free> {
 public:

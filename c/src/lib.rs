@@ -6,6 +6,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod border;
+mod gyro_bias;
 mod level;
 mod odometry;
 mod status;
@@ -13,6 +14,9 @@ mod stream;
 mod table;
 mod weights;
 
+pub use gyro_bias::{
+    GyroCorrection, dpn_gyro_bias_correction, dpn_gyro_bias_feed, dpn_gyro_bias_free, dpn_gyro_bias_load,
+};
 pub use level::{dpn_level_factor, dpn_level_feed, dpn_level_free, dpn_level_new};
 pub use odometry::{
     Noise, Phase, Update, dpn_odometry_encoded, dpn_odometry_end, dpn_odometry_free, dpn_odometry_image,
@@ -21,5 +25,5 @@ pub use odometry::{
 };
 pub use status::{Status, dpn_last_error, dpn_version};
 pub use stream::{Sigma, dpn_stream_feed, dpn_stream_free, dpn_stream_new, dpn_stream_sigma};
-pub use table::{LevelHandle, OdometryHandle, StreamHandle, WeightsHandle};
+pub use table::{GyroBiasHandle, LevelHandle, OdometryHandle, StreamHandle, WeightsHandle};
 pub use weights::{Sensor, dpn_weights_free, dpn_weights_from_bytes, dpn_weights_load, dpn_weights_shipped};

@@ -11,6 +11,8 @@ pub type WeightsHandle = u64;
 pub type StreamHandle = u64;
 /// A level that is learned from residuals.
 pub type LevelHandle = u64;
+/// A gyroscope's bias that a network learns.
+pub type GyroBiasHandle = u64;
 /// A visual-inertial odometry.
 pub type OdometryHandle = u64;
 

@@ -2,6 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use dpn_c::*;
+use dpn_core::trajectory::StampedPose;
+use dpn_core::{ImuRecording, ImuSample, Stamp};
+use dpn_inertial::{Course, InertialConfig, Training};
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
@@ -129,6 +132,61 @@ fn another_rate_and_windows_beyond_the_training_are_flagged() {
     }
     let sigma = sigma(stream);
     assert_eq!((sigma.wrong_rate, sigma.accel_out_of_range), (1, 1), "{sigma:?}");
+}
+
+/// A network of an IMU that rests and whose gyroscope reads .01 rad/s about x.
+fn resting() -> dpn_inertial::Model {
+    let samples = (0..900).map(|i| ImuSample {
+        t: Stamp::from_ns(i * 5_000_000),
+        gyro: [0.01, 0.0, 0.0],
+        accel: [0.0, 0.0, 9.81],
+    });
+    let poses: Vec<_> = (0..91)
+        .map(|i| StampedPose { t: Stamp::from_ns(i * 50_000_000), world_from_body: Default::default() })
+        .collect();
+    let recording = ImuRecording::new(samples.collect()).unwrap();
+    let courses = [Course::new("rests", &recording, &poses).unwrap()];
+    let config = InertialConfig {
+        train: vec!["rests".into()],
+        steps: 1,
+        batch: 1,
+        window: 32,
+        spans: vec![32],
+        ..Default::default()
+    };
+    Training::new(&config, &courses).unwrap().model()
+}
+
+#[test]
+fn a_gyroscopes_bias_is_known_after_as_much_past_as_the_network_looks_at() {
+    let (dir, mut bias) = (tempfile::tempdir().unwrap(), 0);
+    let path = dir.path().join("network.safetensors");
+    std::fs::write(&path, resting().to_bytes().unwrap()).unwrap();
+    let path = CString::new(path.to_str().unwrap()).unwrap();
+    let other =
+        CString::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/gyro/sg11-s0.safetensors")).unwrap();
+    // SAFETY: strings that end with a zero, three doubles each, places to write to; null is what is tested.
+    unsafe {
+        assert_eq!(dpn_gyro_bias_load(null(), &raw mut bias), Status::NullArgument);
+        assert_eq!(dpn_gyro_bias_load(path.as_ptr(), null_mut()), Status::NullArgument);
+        assert_eq!(dpn_gyro_bias_load(other.as_ptr(), &raw mut bias), Status::BadWeights);
+        assert!(words().contains("where dpn-inertial-network is needed"), "{}", words());
+        assert_eq!(dpn_gyro_bias_feed(bias, 1, [0.0; 3].as_ptr(), [0.0; 3].as_ptr()), Status::UnknownHandle);
+        assert_eq!(dpn_gyro_bias_load(path.as_ptr(), &raw mut bias), Status::Ok, "{}", words());
+        for i in 0..600_i64 {
+            let (gyro, accel) = ([0.01, 0.0, 0.0], [0.0, 0.0, 9.81]);
+            assert_eq!(dpn_gyro_bias_feed(bias, i * 5_000_000, gyro.as_ptr(), accel.as_ptr()), Status::Ok);
+            assert_eq!(dpn_gyro_bias_feed(bias, 0, gyro.as_ptr(), accel.as_ptr()), Status::BadArgument);
+            let mut found = std::mem::MaybeUninit::<GyroCorrection>::uninit();
+            assert_eq!(dpn_gyro_bias_correction(bias, found.as_mut_ptr()), Status::Ok);
+            let found = found.assume_init();
+            assert_eq!((found.known, found.wrong_rate), (u8::from(i >= 510), 0));
+            let rate = found.matrix[0] * 0.01 + found.bias[0];
+            assert!(rate.abs() < 1e-4, "{found:?}");
+        }
+    }
+    assert_eq!(dpn_gyro_bias_free(bias), Status::Ok);
+    assert_eq!(dpn_gyro_bias_free(bias), Status::UnknownHandle);
 }
 
 #[test]

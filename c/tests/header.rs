@@ -7,7 +7,7 @@ fn the_header_is_that_of_the_sources() {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(dir.join("cbindgen.toml")).expect("cbindgen.toml is there");
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["status", "table", "weights", "stream", "level", "odometry"] {
+    for file in ["status", "table", "weights", "stream", "level", "odometry", "gyro_bias"] {
         builder = builder.with_src(dir.join("src").join(file).with_extension("rs"));
     }
     let mut made = Vec::new();

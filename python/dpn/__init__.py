@@ -24,7 +24,7 @@ from . import _dpn, metrics, plot
 from ._arrays import matrix, stamps, whole
 from ._dpn import Error, Recording, __version__, read
 from ._frames import frame
-from ._networks import Network, Sigma, Stream, Training, train
+from ._networks import Correction, GyroBias, Network, Sigma, Stream, Training, train
 from ._odometry import Image, Noise, Odometry, Sample, Update, sensors
 from ._results import Allan, AllanAxis, Check, Coefficient, Converted, Figures, Finding, Phase
 from ._run import Run, run
@@ -32,8 +32,8 @@ from ._run import Run, run
 _dpn.code_is_in(_dpn.__file__)
 
 __all__ = [
-    "Allan", "AllanAxis", "Check", "Coefficient", "Converted", "Error", "Figures", "Finding", "Flight", "Image", "Network", "Noise", "NoiseTrack",
-    "Odometry", "Phase", "Recording", "Run", "Sample", "Sigma", "Stream", "Training", "Update", "__version__", "allan", "check", "convert",
+    "Allan", "AllanAxis", "Check", "Coefficient", "Converted", "Correction", "Error", "Figures", "Finding", "Flight", "GyroBias", "Image", "Network", "Noise",
+    "NoiseTrack", "Odometry", "Phase", "Recording", "Run", "Sample", "Sigma", "Stream", "Training", "Update", "__version__", "allan", "check", "convert",
     "frame", "metrics", "noise", "plot", "read", "recording", "run", "sensors", "simulate", "train",
 ]
 

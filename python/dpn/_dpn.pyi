@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "DEFAULT_TAG", "Error", "Network", "Odometry", "Recording", "Sensors", "Stream", "__version__", "allan", "check", "code_is_in", "convert",
+    "DEFAULT_TAG", "Error", "GyroBias", "Network", "Odometry", "Recording", "Sensors", "Stream", "__version__", "allan", "check", "code_is_in", "convert",
     "from_arrays", "main", "noise", "read", "run_arrays", "run_source", "simulate", "train", "trajectory_errors",
     "trajectory_nees",
 ]
@@ -70,6 +70,12 @@ class Stream:
     def at_rate(model: str | None, rate_hz: float, every: int) -> Stream: ...
     def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...
     def sigma(self) -> tuple[list[float], list[float], bool, list[bool], bool]: ...
+
+@final
+class GyroBias:
+    def __new__(cls, path: str | PathLike[str]) -> GyroBias: ...
+    def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...
+    def correction(self) -> tuple[list[list[float]], list[float], bool, bool]: ...
 
 @final
 class Sensors:

@@ -112,6 +112,39 @@ class Stream:
         return Sigma(np.array(accel), np.array(gyro), known, not accel_out, not gyro_out, not wrong_rate)
 
 
+class Correction(NamedTuple):
+    """What takes a reading of the gyroscope to a rate: ``matrix @ reading + bias``, as it holds at the newest sample.
+
+    ``matrix`` (3, 3), ``bias`` (3,) [rad/s]: slow; give it to an estimator as its bias, and correct no sample by anything quicker.
+    ``known``: False until the network has seen as much past as it looks at, the bias is the calibration's then. ``rate_fits``: False
+    while samples come at a rate more than 5 % off the network's; nothing is resampled.
+    """
+
+    matrix: NDArray[np.float64]
+    bias: NDArray[np.float64]
+    known: bool
+    rate_fits: bool
+
+
+class GyroBias:
+    """A gyroscope's bias beside running samples, by a network of ``dpn train --model inertial`` of this very IMU (``network.safetensors``).
+
+    Raises :class:`Error` where the file is none.
+    """
+
+    def __init__(self, network: str | os.PathLike[str]) -> None:
+        self._inner = _dpn.GyroBias(path("network", network, "a file"))
+
+    def feed(self, t: float, gyro: ArrayLike, accel: ArrayLike) -> None:
+        """Takes a sample, as :meth:`Stream.feed` does."""
+        self._inner.feed(stamp("t", t), vector("gyro", gyro), vector("accel", accel))
+
+    def correction(self) -> Correction:
+        """What holds at the newest sample."""
+        matrix, bias, known, rate_fits = self._inner.correction()
+        return Correction(np.array(matrix), np.array(bias), known, rate_fits)
+
+
 class Training(NamedTuple):
     """A finished training: the network, its file, and the summary of ``dpn train --json``."""
 

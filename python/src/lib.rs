@@ -3,6 +3,7 @@
 //! Long work lets go of the interpreter; a panic becomes `pyo3_runtime.PanicException`.
 
 mod error;
+mod gyro_bias;
 mod metrics;
 mod network;
 mod noise_formats;
@@ -24,6 +25,8 @@ use pyo3::prelude::*;
 mod _dpn {
     #[pymodule_export]
     use crate::error::Error;
+    #[pymodule_export]
+    use crate::gyro_bias::GyroBias;
     #[pymodule_export]
     use crate::metrics::{trajectory_errors, trajectory_nees};
     #[pymodule_export]

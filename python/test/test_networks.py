@@ -92,6 +92,25 @@ def test_a_training_is_the_command_lines_and_its_network_answers(flight, tmp_pat
     assert (of_folder.network.predict(windows) == theirs.predict(windows)).all()
 
 
+def test_a_gyroscopes_bias_is_asked_beside_samples(flight, tmp_path):
+    folder = flight[0]
+    config = f'name = "own"\nsteps = 2\nbatch = 2\nwindow = 512\naverage_s = 1\ntrain = ["{folder.name}"]\n'
+    (tmp_path / "own.toml").write_text(config)
+    command("train", "--model", "inertial", "--config", tmp_path / "own.toml", "--data", folder.parent, "--out", tmp_path / "own")
+    network, log = tmp_path / "own/network.safetensors", dpn.read(folder)
+    bias = dpn.GyroBias(network)
+    for i in range(600):
+        bias.feed(int(log.t_ns[i]), log.gyro[i], log.accel[i])
+        found = bias.correction()
+        assert found.known == (i >= 510) and found.rate_fits
+    assert found.matrix.shape == (3, 3) and found.bias.shape == (3,) and 0 < np.abs(found.bias).max() < 0.1
+    with pytest.raises(dpn.Error, match="stamps must increase"):
+        bias.feed(int(log.t_ns[0]), log.gyro[0], log.accel[0])
+    for none, words in ((tmp_path / "own.toml", "no whole safetensors file"), (3, "network: int"), (tmp_path / "none", "cannot be read")):
+        with pytest.raises(dpn.Error, match=words):
+            dpn.GyroBias(none)
+
+
 def test_a_training_may_be_ended_and_gone_on_with(flight, tmp_path):
     log = dpn.read(flight[0])
     whole = dpn.train(log, "accel", tmp_path / "whole", config=TINY)

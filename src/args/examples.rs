@@ -110,7 +110,8 @@ pub(super) const TRUTH: &str = "Examples:
 
 pub(super) const ONNX: &str = "Examples:
   dpn export onnx --out onnx
-  dpn export onnx --network sg11-s0,wide-s0 --json";
+  dpn export onnx --network sg11-s0,wide-s0 --json
+  dpn export onnx --inertial runs/train-euroc-seed0/network.safetensors";
 
 pub(super) const FLIGHT: &str = "Examples:
   dpn simulate flight --list

@@ -30,6 +30,9 @@ pub(crate) struct OnnxArgs {
     /// Folder of trained networks; without it those that come with the program.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
+    /// A network of `dpn train --model inertial` (runs/.../network.safetensors) instead: a gyroscope's bias, inertial/NAME-sSEED.onnx.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["networks", "models"])]
+    pub(crate) inertial: Option<PathBuf>,
     /// Folder for the models, SENSOR/NAME.onnx each.
     #[arg(long, value_name = "DIR", default_value = "onnx")]
     pub(crate) out: ResultPath,

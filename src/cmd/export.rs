@@ -7,6 +7,8 @@ use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_io::atomic_write;
 use dpn_pronet::network::{Network, select};
+use serde_json::json;
+use std::path::Path;
 
 pub(crate) fn run(args: &ExportArgs) -> Result<()> {
     match &args.what {
@@ -15,6 +17,9 @@ pub(crate) fn run(args: &ExportArgs) -> Result<()> {
 }
 
 fn onnx(args: &OnnxArgs) -> Result<()> {
+    if let Some(path) = &args.inertial {
+        return correction(path, args);
+    }
     let networks = shipped::or_of(args.models.as_deref())?;
     for network in wanted(&networks, &args.networks)? {
         let (weights, sensor, tag) = (&network.weights, network.sensor(), network.tag());
@@ -25,7 +30,7 @@ fn onnx(args: &OnnxArgs) -> Result<()> {
         if args.json {
             outln!(
                 "{}",
-                serde_json::json!({
+                json!({
                     "file": file, "sensor": sensor, "network": tag, "window": window, "rate_hz": rate_hz, "unit": unit,
                 })
             )?;
@@ -38,6 +43,24 @@ fn onnx(args: &OnnxArgs) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// A learned correction of a gyroscope.
+fn correction(path: &Path, args: &OnnxArgs) -> Result<()> {
+    let model = dpn_inertial::Model::load(path)?;
+    let (config, bytes) = (&model.card.config, model.to_onnx());
+    let tag = format!("{}-s{}", config.name, config.seed);
+    let file = args.out.join("inertial").join(format!("{tag}.onnx"));
+    atomic_write(&file, |out| out.write_all(&bytes))?;
+    let (rate_hz, average_s) = (model.card.rate.hz(), config.average_s);
+    if args.json {
+        return Ok(outln!(
+            "{}",
+            json!({ "file": file, "sensor": Sensor::Gyro, "network": tag, "rate_hz": rate_hz, "average_s": average_s, "usage": model.card.usage })
+        )?);
+    }
+    let (name, kb) = (file.display(), bytes.len() / 1000);
+    Ok(outln!("{name}: a gyroscope's bias at {rate_hz:.0} Hz, to be averaged over {average_s} s, {kb} kB")?)
 }
 
 /// The networks of these names, of both sensors where both have one; all without names.

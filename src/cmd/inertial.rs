@@ -19,7 +19,7 @@ use dpn_logs::{LogOptions, read_log};
 use dpn_pronet::network::Network;
 use serde::Serialize;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const CHECKPOINT: &str = "checkpoint.safetensors";
 const NETWORK: &str = "network.safetensors";
@@ -290,11 +290,7 @@ fn models(dir: Option<&Path>, name: &str) -> Result<Vec<Model>> {
         );
     }
     paths.sort();
-    let read = |path: PathBuf| -> Result<Model> {
-        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        Ok(Model::from_bytes(&bytes, &path)?)
-    };
-    let mut models = paths.into_iter().map(read).collect::<Result<Vec<_>>>()?;
+    let mut models = paths.iter().map(|path| Model::load(path)).collect::<Result<Vec<_>, _>>()?;
     let all = models.len();
     models.retain(|model| model.card.config.name == name);
     if models.is_empty() {

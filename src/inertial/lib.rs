@@ -4,7 +4,7 @@
 //! 2. `affine`: one matrix and one bias, by robust least squares, with intervals: the simple rival, and what a network starts from.
 //! 3. `network`: a causal convolution over 2.5 s of six axes (at 200 Hz) that says what is to be added to the rate; forth and back.
 //! 4. `loss`: Huber's on products of increments over spans of samples, as a tree.
-//! 5. `training`, `model`: from courses and a configuration to a file.
+//! 5. `training`, `model`: from courses and a configuration to a file; `running`: asked beside running samples; `onnx`: for other runtimes.
 //! 6. `score`, `spans`: the field's figures by the names of who defined them, and the likelihood of what is said of the errors.
 //!
 //! Rotations are `world_from_body`; rates are of the body, in its frame \[rad/s\]. No files here.
@@ -17,6 +17,8 @@ mod course;
 mod loss;
 mod model;
 mod network;
+mod onnx;
+mod running;
 mod score;
 mod spans;
 mod training;
@@ -25,6 +27,7 @@ pub use affine::{Affine, Fitted, Unknown, fit};
 pub use config::InertialConfig;
 pub use course::{Course, CourseError};
 pub use model::Model;
+pub use running::{Correction, Running};
 pub use score::{Score, Source, TURNS_S, Turn, sources};
 pub use spans::{Levels, Residuals, SPANS_S, Said, SpanScore};
 pub use training::{Training, TrainingError, same_rate};

@@ -5,6 +5,7 @@ use crate::config::InertialConfig;
 use crate::course::Course;
 use crate::network;
 use dpn_core::SampleRate;
+use dpn_core::config::Validate;
 use dpn_core::signal::stats::{Ddof, deviation, mean};
 use dpn_pronet::StoreError;
 use dpn_pronet::store::{self, Named};
@@ -17,7 +18,7 @@ const FORMAT: &str = "dpn-inertial-network";
 /// One unit of an answer \[rad/s\]: degrees a second, about.
 pub(crate) const UNIT: f64 = 0.01;
 /// What it says of itself.
-const USE: &str = "a slow bias of this very IMU: average it over `average_s`, add it to the affine rate as a bias with a deviation; never hand single corrected samples to an odometry";
+pub(crate) const USE: &str = "a slow bias of this very IMU: average it over `average_s`, add it to the affine rate as a bias with a deviation; never hand single corrected samples to an odometry";
 
 /// What stands beside the weights.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -103,12 +104,25 @@ impl Model {
         store::to_bytes(FORMAT, &self.card, &tensors, Path::new("network"))
     }
 
+    /// Reads its file.
+    ///
+    /// # Errors
+    /// One that cannot be read, another file, a damaged one.
+    pub fn load(path: &Path) -> Result<Self, StoreError> {
+        Self::from_bytes(&store::read(path)?, path)
+    }
+
     /// Takes a file's bytes; `path` is for messages.
     ///
     /// # Errors
     /// Another file; a damaged one.
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, StoreError> {
-        let (card, mut tensors) = store::from_bytes(FORMAT, bytes, path)?;
+        let (card, mut tensors): (Card, _) = store::from_bytes(FORMAT, bytes, path)?;
+        let unusable = |detail: String| StoreError::Description { path: path.to_owned(), detail };
+        card.config.validate().map_err(|e| unusable(e.to_string()))?;
+        if !card.deviation.iter().all(|d| *d > 0.0) {
+            return Err(unusable(format!("deviations of {:?}", card.deviation)));
+        }
         let mut parameters = Vec::with_capacity(network::count());
         for (name, shape, _) in network::parameters() {
             parameters.extend(store::take(&mut tensors, &name, &shape, path)?);

@@ -20,8 +20,8 @@ pub(crate) const STRIDE: usize = 4;
 pub(crate) const PAST: usize = 511;
 /// Layers.
 const LAYERS: usize = 5;
-/// GELU's quick form.
-const GELU: f32 = 1.702;
+/// GELU's quick form: `x sigmoid(GELU x)`.
+pub(crate) const GELU: f32 = 1.702;
 
 /// Names, shapes and places of the parameters: taps `[tap, input, output]`, biases.
 pub(crate) fn parameters() -> Vec<(String, Vec<usize>, std::ops::Range<usize>)> {
@@ -69,6 +69,47 @@ pub(crate) struct Trace {
     sums: Vec<DMatrix<f32>>,
 }
 
+/// A layer as numbers: for each tap a matrix of outputs by inputs, column by column, then what is added to each output.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Layer<'a> {
+    pub(crate) inputs: usize,
+    pub(crate) outputs: usize,
+    pub(crate) taps: &'a [f32],
+    pub(crate) bias: &'a [f32],
+    pub(crate) stride: usize,
+    pub(crate) dilation: usize,
+    /// Whether [`activation`] follows.
+    pub(crate) is_last: bool,
+}
+
+impl Layer<'_> {
+    /// Inputs from the first tap's to the last's.
+    pub(crate) fn span(&self) -> usize {
+        (self.taps.len() / (self.inputs * self.outputs) - 1) * self.dilation + 1
+    }
+}
+
+/// The layers of these parameters, from the samples on.
+pub(crate) fn layers(parameters: &[f32]) -> impl Iterator<Item = Layer<'_>> {
+    (0..LAYERS).map(move |layer| {
+        let [taps, bias] = places(layer);
+        Layer {
+            inputs: CHANNELS[layer],
+            outputs: CHANNELS[layer + 1],
+            taps: &parameters[taps],
+            bias: &parameters[bias],
+            stride: stride(layer),
+            dilation: DILATIONS[layer],
+            is_last: layer + 1 == LAYERS,
+        }
+    })
+}
+
+/// Between layers.
+pub(crate) fn activation(x: f32) -> f32 {
+    x / (1.0 + (-GELU * x).exp())
+}
+
 /// A layer's stride.
 fn stride(layer: usize) -> usize {
     if layer == 0 { STRIDE } else { 1 }
@@ -111,7 +152,7 @@ pub(crate) fn forward(parameters: &[f32], samples: DMatrix<f32>) -> (DMatrix<f32
         if layer + 1 == LAYERS {
             return (sum, trace);
         }
-        input = sum.map(|x| x / (1.0 + (-GELU * x).exp()));
+        input = sum.map(activation);
         trace.sums.push(sum);
     }
     unreachable!("the last layer returns")

@@ -8,6 +8,7 @@
 use crate::affine::{Unknown, fit};
 use crate::course::Course;
 use crate::model::Model;
+use crate::running::Average;
 use dpn_core::geometry::so3;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::Serialize;
@@ -82,18 +83,9 @@ pub fn sources(course: &Course, affine: &crate::Affine, models: &[Model], averag
     all.into_iter().map(|(name, rates)| Source { name, score: score(course, &rates) }).collect()
 }
 
-/// Means over so many values of past, fewer where there are no more.
 fn averaged(values: &[Vector3<f64>], past: usize) -> Vec<Vector3<f64>> {
-    let past = past.max(1);
-    let mut sum = Vector3::zeros();
-    let mean = |(i, value): (usize, &Vector3<f64>)| {
-        sum += value;
-        if i >= past {
-            sum -= values[i - past];
-        }
-        sum / (i + 1).min(past) as f64
-    };
-    values.iter().enumerate().map(mean).collect()
+    let mut average = Average::over(past);
+    values.iter().map(|value| average.push(*value)).collect()
 }
 
 /// What is to be added to rates so that they fit this course's truth best: an oracle.

@@ -13,14 +13,16 @@
 //! ```
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod convolutions;
 mod graph;
 mod metadata;
 mod network;
 mod proto;
 
+pub use convolutions::{Convolution, Convolutions, Metadata};
 use dpn_pronet::{StoreError, Weights};
 use prost::Message;
-use proto::{ModelProto, OperatorSetIdProto};
+use proto::{GraphProto, ModelProto, OperatorSetIdProto, StringStringEntryProto};
 
 /// The version of the operators that are used: the oldest in which every one takes its axes as it is given them here, so that many runtimes know it.
 const OPERATORS: i64 = 13;
@@ -39,16 +41,20 @@ const LAYOUT: i64 = 7;
 /// # Errors
 /// A training summary that cannot be written as JSON.
 pub fn to_bytes(weights: &Weights) -> Result<Vec<u8>, StoreError> {
+    Ok(model(network::graph(weights), metadata::summary(weights), metadata::entries(weights)?))
+}
+
+fn model(graph: GraphProto, summary: String, metadata: Vec<StringStringEntryProto>) -> Vec<u8> {
     let model = ModelProto {
         ir_version: Some(LAYOUT),
         producer_name: Some("dpn".to_owned()),
         producer_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
-        doc_string: Some(metadata::summary(weights)),
-        graph: Some(network::graph(weights)),
+        doc_string: Some(summary),
+        graph: Some(graph),
         opset_import: vec![OperatorSetIdProto { domain: Some(String::new()), version: Some(OPERATORS) }],
-        metadata_props: metadata::entries(weights)?,
+        metadata_props: metadata,
     };
-    Ok(model.encode_to_vec())
+    model.encode_to_vec()
 }
 
 /// The README's code is a test.

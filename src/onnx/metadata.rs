@@ -33,9 +33,9 @@ pub(crate) fn entries(weights: &Weights) -> Result<Vec<StringStringEntryProto>, 
             pairs.push((key, format!("{least} {most}")));
         }
     }
-    let entry = |(key, value): (&str, String)| StringStringEntryProto {
-        key: Some(key.to_owned()),
-        value: Some(value),
-    };
-    Ok(pairs.into_iter().map(entry).collect())
+    Ok(pairs.into_iter().map(|(key, value)| entry(key, value)).collect())
+}
+
+pub(crate) fn entry(key: &str, value: String) -> StringStringEntryProto {
+    StringStringEntryProto { key: Some(key.to_owned()), value: Some(value) }
 }

@@ -77,7 +77,7 @@ pub use module::ProNet;
 pub use predictor::Predictor;
 pub use processor::processor;
 pub use store::StoreError;
-pub use stream::{SampleStream, StreamError, StreamSigma};
+pub use stream::{Gate, SampleStream, StreamError, StreamSigma};
 #[cfg(feature = "train")]
 pub use trainable::{Device, Trainable};
 pub use weights::{Card, Weights};

@@ -164,7 +164,10 @@ pub fn to_bytes(
 }
 
 /// The bytes of a file.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>, StoreError> {
+///
+/// # Errors
+/// One that cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>, StoreError> {
     std::fs::read(path).map_err(|source| StoreError::Read { path: path.to_owned(), source })
 }
 

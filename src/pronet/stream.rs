@@ -2,7 +2,7 @@
 //! extrapolated, whether samples come at the networks' rate. What C and Python call a stream.
 
 use crate::model::DualProNet;
-use dpn_core::{ImuNoise, ImuSample, NoiseModel, Sensor, Stamp};
+use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor, Stamp};
 use thiserror::Error;
 
 /// The rate is that of so many seconds' samples.
@@ -43,15 +43,62 @@ pub struct StreamSigma {
     pub wrong_rate: bool,
 }
 
-/// A pair of networks that is fed samples.
-#[derive(Debug)]
-pub struct SampleStream {
-    networks: DualProNet,
-    noise: ImuNoise,
+/// Running samples looked at one by one: what no network can take, and whether they come at the rate it was trained for.
+#[derive(Debug, Clone)]
+pub struct Gate {
+    trained: SampleRate,
     last: Option<Stamp>,
     /// Where the present count of samples began, and how many came since.
     counted: (Stamp, u32),
     wrong_rate: bool,
+}
+
+impl Gate {
+    /// Before samples for a network of this rate.
+    pub fn new(trained: SampleRate) -> Self {
+        Self { trained, last: None, counted: (Stamp::from_ns(0), 0), wrong_rate: false }
+    }
+
+    /// Takes the next sample; the stamp of the one before.
+    ///
+    /// # Errors
+    /// One that is not later than the last, or not finite.
+    pub fn take(&mut self, sample: &ImuSample) -> Result<Option<Stamp>, StreamError> {
+        let (t, t_ns) = (sample.t, sample.t.ns());
+        if let Some(last) = self.last.filter(|last| t <= *last) {
+            return Err(StreamError::NotIncreasing { t_ns, last_ns: last.ns() });
+        }
+        if !sample.is_finite() {
+            return Err(StreamError::NotFinite { t_ns });
+        }
+        let before = self.last.replace(t);
+        let (from, count) = &mut self.counted;
+        if before.is_none() {
+            *from = t;
+            return Ok(before);
+        }
+        *count += 1;
+        let seconds = t.seconds_since(*from);
+        if seconds >= RATE_OVER_S {
+            let share = f64::from(*count) / seconds / self.trained.hz();
+            self.wrong_rate = (share - 1.0).abs() > DualProNet::RATE_TOLERANCE;
+            self.counted = (t, 0);
+        }
+        Ok(before)
+    }
+
+    /// Whether samples come at a rate more than 5 % off the network's.
+    pub fn wrong_rate(&self) -> bool {
+        self.wrong_rate
+    }
+}
+
+/// A pair of networks that is fed samples.
+#[derive(Debug)]
+pub struct SampleStream {
+    gate: Gate,
+    networks: DualProNet,
+    noise: ImuNoise,
     /// Windows judged so far and those out of range, accelerometer and gyroscope.
     judged: [(u64, u64); 2],
     out_of_range: [bool; 2],
@@ -61,11 +108,9 @@ impl SampleStream {
     /// Of networks that have seen nothing.
     pub fn new(networks: DualProNet) -> Self {
         Self {
+            gate: Gate::new(networks.trained_rate()),
             networks,
             noise: ImuNoise::baseline(),
-            last: None,
-            counted: (Stamp::from_ns(0), 0),
-            wrong_rate: false,
             judged: [(0, 0); 2],
             out_of_range: [false; 2],
         }
@@ -76,15 +121,7 @@ impl SampleStream {
     /// # Errors
     /// One that is not later than the last, or not finite.
     pub fn feed(&mut self, sample: ImuSample) -> Result<(), StreamError> {
-        let t_ns = sample.t.ns();
-        if let Some(last) = self.last.filter(|last| sample.t <= *last) {
-            return Err(StreamError::NotIncreasing { t_ns, last_ns: last.ns() });
-        }
-        if !sample.is_finite() {
-            return Err(StreamError::NotFinite { t_ns });
-        }
-        self.rate(sample.t);
-        self.last = Some(sample.t);
+        self.gate.take(&sample)?;
         self.noise = self.networks.feed(&sample);
         for (k, sensor) in Sensor::ALL.into_iter().enumerate() {
             let count = self.networks.range_count(sensor);
@@ -97,22 +134,6 @@ impl SampleStream {
         Ok(())
     }
 
-    /// Counts samples by the second.
-    fn rate(&mut self, t: Stamp) {
-        let (from, count) = &mut self.counted;
-        if self.last.is_none() {
-            *from = t;
-            return;
-        }
-        *count += 1;
-        let seconds = t.seconds_since(*from);
-        if seconds >= RATE_OVER_S {
-            let share = f64::from(*count) / seconds / self.networks.trained_rate().hz();
-            self.wrong_rate = (share - 1.0).abs() > DualProNet::RATE_TOLERANCE;
-            self.counted = (t, 0);
-        }
-    }
-
     /// How noisy the IMU is at the newest sample.
     pub fn sigma(&self) -> StreamSigma {
         StreamSigma {
@@ -120,7 +141,7 @@ impl SampleStream {
             known: Sensor::ALL.iter().all(|sensor| self.networks.has_answered(*sensor)),
             out_of_range: self.out_of_range,
             spread: Sensor::ALL.map(|sensor| self.networks.spread(sensor)),
-            wrong_rate: self.wrong_rate,
+            wrong_rate: self.gate.wrong_rate(),
         }
     }
 }

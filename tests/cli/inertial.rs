@@ -30,6 +30,16 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
         "{other:?}"
     );
 
+    let done = call("export onnx --inertial runs/a/network.safetensors --out onnx").well();
+    assert_eq!(
+        done.stdout,
+        "onnx/inertial/sim-s0.onnx: a gyroscope's bias at 200 Hz, to be averaged over 20 s, 309 kB\n"
+    );
+    let model = std::fs::read(dir.join("onnx/inertial/sim-s0.onnx")).unwrap();
+    assert!(String::from_utf8_lossy(&model).contains("never hand single corrected samples to an odometry"));
+    let none = call("export onnx --inertial sim.toml --out onnx");
+    assert!(none.code == Some(2) && none.stderr.contains("sim.toml: no whole safetensors file"), "{none:?}");
+
     let done = call("eval --inertial sim.toml --data flights --models runs --out out").well();
     let wanted = [
         "gyro: matrix * reading - bias",
