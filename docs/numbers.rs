@@ -9,7 +9,7 @@
 //! | `headline` | the sentence that README and book begin with |
 //! | `study/NOISE/QUANTITY` | the closed loop: `mean` ATE over all sequences \[m\], `ratio` of errors to the best constant with its 95 % interval, `better` on how many sequences, `p` after Holm, `equal` the p of being equal within 10 % |
 //! | `pairs/NOISE/AGAINST/QUANTITY` | one noise against another: `ratio`, `better`, `p` without correction |
-//! | `COURSE/NOISE/QUANTITY` | noise added in a course (`step`, `ramp`, `one-axis`, `tone`, `bias-jump`): `median` ATE \[m\]; `ratio`, `better`, `p` as of `study` |
+//! | `COURSE/NOISE/QUANTITY` | noise added in a course (`step`, `ramp`, `one-axis`, `tone`, `bias-jump`), the noise `best` its best constant: `name`, `median` and `mean` ATE \[m\]; `ratio`, `better`, `p` as of `study`; by means, how much `less` than the best constant, what share of the way to the true noise it `closes`, and the ratio `over` the lower of these two |
 //! | `open/SENSOR/BASE/QUANTITY` | the open loop, the network's `rmse`, its `spread` over so many `seeds`; `simple` and `regressor`, the best of its kind with its name; the `bound` |
 //! | `fleet/NOISE/QUANTITY` | all platforms: `score`, the error over that of each platform's best constant; `worst`; both in per cent as `less` and `more`; against the constant that is best elsewhere `ratio`, `better`, and in per cent `less-than-single` |
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
@@ -73,6 +73,11 @@ fn metres(value: f64) -> String {
     if value < 0.011 { format!("{value:.4}") } else { format!("{value:.3}") }
 }
 
+/// A length to three digits, as the study's page has it.
+fn three_digits(value: f64) -> String {
+    if value < 0.1 { format!("{value:.4}") } else { format!("{value:.3}") }
+}
+
 /// A positive number to two digits, without noughts at its end.
 fn two_digits(value: f64) -> String {
     let digits = (1.0 - value.log10().floor()).max(0.0) as usize;
@@ -132,10 +137,10 @@ fn headline() -> String {
         _ => "is not shown to differ",
     };
     let ([ours, paper], [x1, dualpronet, constant]) =
-        (gains().map(percent), ["x1", "dualpronet", &best].map(mean));
+        (gains().map(percent), ["x1", "dualpronet", &best].map(|noise| three_digits(mean(noise))));
     format!(
-        "{ours} smaller than with the usual constants ({dualpronet:.3} m instead of {x1:.3} m; the paper: {paper}), and a constant {times} the usual {does} \
-         ({constant:.3} m; ratio of errors {ratio:.2}, 95 % interval {low:.2} to {high:.2})"
+        "{ours} smaller than with the usual constants ({dualpronet} m instead of {x1} m; the paper: {paper}), and a constant {times} the usual {does} \
+         ({constant} m; ratio of errors {ratio:.2}, 95 % interval {low:.2} to {high:.2})"
     )
 }
 
@@ -146,9 +151,32 @@ fn compared(row: &Record, ratio: &str, p: &str, quantity: &str) -> String {
         "better" => row["better in"].clone(),
         "p" => probability(number(&row[p])),
         "equal" => probability(number(&row["p equal"])),
-        "mean" => format!("{:.3}", mean(&row["noise"])),
-        "median" => format!("{:.3}", number(&row["ATE median [m]"])),
+        "mean" => three_digits(mean(&row["noise"])),
+        "median" => three_digits(number(&row["ATE median [m]"])),
         _ => panic!("{quantity}: no such quantity"),
+    }
+}
+
+/// The constant that a course's noises are compared with.
+fn best_of(course: &str) -> String {
+    row("injected", &[("course", course), ("ratio to best constant (95 %)", "")])["noise"].clone()
+}
+
+/// Of noise added in a course; `best` is its best constant.
+fn of_course(course: &str, noise: &str, quantity: &str) -> String {
+    let of = |noise: &str| row("injected", &[("noise", noise), ("course", course)]);
+    let mean = |noise: &str| number(&of(noise)["ATE mean [m]"]);
+    let best = best_of(course);
+    let noise = if noise == "best" { &best } else { noise };
+    match quantity {
+        "name" => noise.to_owned(),
+        "mean" => three_digits(mean(noise)),
+        "less" => percent(1.0 - mean(noise) / mean(&best)),
+        // Of the way from the best constant to the truth.
+        "closes" => percent((mean(&best) - mean(noise)) / (mean(&best) - mean("oracle"))),
+        // Over the lower of the two.
+        "over" => format!("{:.2}", mean(noise) / mean(&best).min(mean("oracle"))),
+        _ => compared(&of(noise), "ratio to best constant (95 %)", "p (Holm)", quantity),
     }
 }
 
@@ -368,14 +396,14 @@ fn compared_table(of: &str, error: &str, reference: &str, noises: &[Named]) -> S
 
 fn courses_table() -> String {
     let courses = [
-        ("ramp", "ramp up to five times", "x16"),
-        ("one-axis", "step on one axis", "x12"),
-        ("tone", "90 Hz tone, nothing white", "x8"),
-        ("bias-jump", "jump of the bias", "x8"),
+        ("ramp", "ramp up to five times"),
+        ("one-axis", "step on one axis"),
+        ("tone", "90 Hz tone, nothing white"),
+        ("bias-jump", "jump of the bias"),
     ];
-    let row = |(course, name, best): (&str, &str, &str)| {
-        let ratio = |noise: &str| value(&format!("{course}/{noise}/ratio"));
-        let median = value(&format!("{course}/{best}/median"));
+    let row = |(course, name): (&str, &str)| {
+        let ratio = |noise: &str| of_course(course, noise, "ratio");
+        let [best, median] = ["name", "median"].map(|quantity| of_course(course, "best", quantity));
         [name.to_owned(), format!("{best}, {median}"), ratio("oracle"), ratio(WIDE), ratio("self")]
     };
     block(
@@ -558,8 +586,7 @@ fn value(key: &str) -> String {
             compared(&row("pairs", &[("noise", noise), ("against", against)]), "ratio (95 %)", "p", quantity)
         }
         [course @ ("step" | "ramp" | "one-axis" | "tone" | "bias-jump"), noise, quantity] => {
-            let row = row("injected", &[("noise", noise), ("course", course)]);
-            compared(&row, "ratio to best constant (95 %)", "p (Holm)", quantity)
+            of_course(course, noise, quantity)
         }
         ["open", sensor, base, quantity] => open_loop(sensor, base, quantity),
         ["fleet", noise, quantity] => of_fleet(noise, quantity),
@@ -632,14 +659,14 @@ fn readme_book_targets_and_the_study_begin_with_one_answer() {
         assert!(read(path).contains("<!--n:headline-->"), "{path} has no headline");
     }
     let [ours, paper] = gains().map(percent);
-    let [x1, dualpronet] = ["x1", "dualpronet"].map(mean);
+    let [x1, dualpronet] = ["x1", "dualpronet"].map(|noise| three_digits(mean(noise)));
     let [ratio, low, high] =
         with_ends(&row("study", &[("noise", "dualpronet")])["ratio to best constant (95 %)"]);
     let path = "figures/euroc/index.html";
     let study = read(path).split_whitespace().collect::<Vec<_>>().join(" ").replace("&#39;", "'");
     for said in [
         format!(
-            "mean error over 11 sequences is {dualpronet:.3} m, {ours} below that of the usual constants (x1, {x1:.3} m)"
+            "mean error over 11 sequences is {dualpronet} m, {ours} below that of the usual constants (x1, {x1} m)"
         ),
         format!("In the paper's table it is {paper} below."),
         format!("sequence by sequence its error is {ratio:.2} times as large ({low:.2} to {high:.2})"),

@@ -26,7 +26,14 @@ pub(crate) fn courses(
     injection: &Injection,
     made_by: Provenance,
 ) -> Table {
-    let heads = ["ratio to best constant (95 %)", "p (Holm)", "ATE median [m]", "better in", "failed"];
+    let heads = [
+        "ratio to best constant (95 %)",
+        "p (Holm)",
+        "ATE median [m]",
+        "ATE mean [m]",
+        "better in",
+        "failed",
+    ];
     let title = "Noise of a known course added to the IMU: what each model is worth";
     let mut table = Table::new("injected", title, Column::all(&["noise", "course"], &heads)).made_by(made_by);
     for (course, study) in courses {
@@ -38,8 +45,9 @@ pub(crate) fn courses(
             });
             let [ratio, better, p] = against(line.comparison.as_ref());
             let noise = specs::cell(&line.noise).marked(mark);
-            let (ate, failed) = (Cell::metres(line.ate), Cell::text(line.failures));
-            let cells = vec![noise, Cell::text(course.name()), ratio, p, ate, better, failed];
+            let [ate, mean] = [line.ate, line.means[0]].map(Cell::metres);
+            let failed = Cell::text(line.failures);
+            let cells = vec![noise, Cell::text(course.name()), ratio, p, ate, mean, better, failed];
             table.reference_row(cells, reference.is_some());
         }
         table.rule();
