@@ -267,6 +267,9 @@ impl Trainer {
             Learner::Gpu(card) => {
                 let windows = self.validation.samples.iter().map(|v| *v as f32).collect();
                 let answers = card.answers(weights, windows)?;
+                if answers.iter().any(|answer| !answer.is_finite()) {
+                    card.try_out(&self.config, &self.fit, weights)?;
+                }
                 let outputs = self.config.network.head.outputs();
                 let column =
                     |at: usize| answers.iter().skip(at).step_by(outputs).map(|v| f64::from(*v)).collect();

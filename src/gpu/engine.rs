@@ -95,22 +95,26 @@ impl Engine {
         (self.client.properties().memory.max_page_size as usize).min(ROOM)
     }
 
-    /// Workgroups a network, and networks at a time.
+    /// Workgroups a network, and networks at a time, of which each has `rows` windows there and `out` numbers a workgroup.
     fn spread(
         &self,
         job: &Job,
-        batch: usize,
+        (batch, rows): (usize, usize),
         networks: usize,
         out: usize,
     ) -> Result<(usize, usize), GpuError> {
         let most = self.most();
-        let each = 4 * job.plan.near.max(job.plan.far).max(out);
-        if each > most {
-            let adapter = self.adapter.to_string();
-            return Err(GpuError::Memory { adapter, bytes: each as u64, most: most as u64 });
-        }
+        let room = |what, bytes| match bytes <= most {
+            true => Ok(bytes),
+            false => {
+                let (adapter, bytes, most) = (self.adapter.to_string(), bytes as u64, most as u64);
+                Err(GpuError::Memory { adapter, what, bytes, most })
+            }
+        };
+        let each = room("a window", 4 * job.plan.near.max(job.plan.far).max(out))?;
+        let windows = room("a batch", 4 * rows * job.plan.window)?;
         let groups = batch.min(GROUPS).min(most / each);
-        Ok((groups, (most / (each * groups)).clamp(1, networks)))
+        Ok((groups, (most / (each * groups).max(windows)).clamp(1, networks)))
     }
 
     pub(crate) fn answers(&self, asked: &Asked) -> Result<Vec<f32>, GpuError> {
@@ -124,7 +128,7 @@ impl Engine {
         let mut answers = Vec::new();
         for windows in asked.windows.chunks((most / (4 * plan.window)).max(1) * plan.window) {
             let rows = windows.len() / plan.window;
-            let (groups, _) = self.spread(&job, rows, 1, 0)?;
+            let (groups, _) = self.spread(&job, (rows, rows), 1, 0)?;
             let out = Room::empty(&self.client, rows * outputs);
             let near = if job.shared { 0 } else { plan.near };
             pass::launch(
@@ -153,7 +157,8 @@ impl Engine {
     pub(crate) fn steps(&self, gang: &[Steps]) -> Result<Vec<(State, Vec<f32>)>, GpuError> {
         let (shape, rows, batch, _) = gang[0].alike();
         let job = self.placed(&shape.job);
-        let (groups, networks) = self.spread(&job, batch.min(rows), gang.len(), job.plan.parameters + 1)?;
+        let (groups, networks) =
+            self.spread(&job, (batch.min(rows), rows), gang.len(), job.plan.parameters + 1)?;
         let mut done = Vec::new();
         for gang in gang.chunks(networks) {
             done.extend(self.together(gang, &shape, &job, groups, rows, batch)?);

@@ -21,12 +21,14 @@ pub enum GpuError {
     },
     /// A network that does not go in.
     #[error(
-        "{adapter} has no room for this network: a window takes {bytes} bytes, and {most} is the most at a time"
+        "{adapter} has no room for this network: {what} takes {bytes} bytes, and {most} is the most at a time"
     )]
     Memory {
         /// Its name and driver.
         adapter: String,
-        /// Of a window.
+        /// A window or a batch.
+        what: &'static str,
+        /// It takes.
         bytes: u64,
         /// What there is.
         most: u64,
