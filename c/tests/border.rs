@@ -5,6 +5,7 @@ use dpn_c::*;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuRecording, ImuSample, Stamp};
 use dpn_inertial::{Course, InertialConfig, Training};
+use nalgebra::{Isometry3, Vector3};
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
@@ -134,20 +135,23 @@ fn another_rate_and_windows_beyond_the_training_are_flagged() {
     assert_eq!((sigma.wrong_rate, sigma.accel_out_of_range), (1, 1), "{sigma:?}");
 }
 
-/// A network of an IMU that rests and whose gyroscope reads .01 rad/s about x.
-fn resting() -> dpn_inertial::Model {
+/// A network, after no step, of an IMU that swings about x and whose gyroscope reads .01 rad/s too much there.
+fn swinging() -> dpn_inertial::Model {
     let samples = (0..900).map(|i| ImuSample {
         t: Stamp::from_ns(i * 5_000_000),
-        gyro: [0.01, 0.0, 0.0],
+        gyro: [0.01 + 0.3 * (0.01 * i as f64).sin(), 0.0, 0.0],
         accel: [0.0, 0.0, 9.81],
     });
-    let poses: Vec<_> = (0..91)
-        .map(|i| StampedPose { t: Stamp::from_ns(i * 50_000_000), world_from_body: Default::default() })
-        .collect();
+    let pose = |i: i64| {
+        let angle = 0.15 * (1.0 - (0.1 * i as f64).cos());
+        let world_from_body = Isometry3::rotation(Vector3::x() * angle);
+        StampedPose { t: Stamp::from_ns(i * 50_000_000), world_from_body }
+    };
+    let poses: Vec<_> = (0..91).map(pose).collect();
     let recording = ImuRecording::new(samples.collect()).unwrap();
-    let courses = [Course::new("rests", &recording, &poses).unwrap()];
+    let courses = [Course::new("swings", &recording, &poses).unwrap()];
     let config = InertialConfig {
-        train: vec!["rests".into()],
+        train: vec!["swings".into()],
         steps: 1,
         batch: 1,
         window: 32,
@@ -161,7 +165,7 @@ fn resting() -> dpn_inertial::Model {
 fn a_gyroscopes_bias_is_known_after_as_much_past_as_the_network_looks_at() {
     let (dir, mut bias) = (tempfile::tempdir().unwrap(), 0);
     let path = dir.path().join("network.safetensors");
-    std::fs::write(&path, resting().to_bytes().unwrap()).unwrap();
+    std::fs::write(&path, swinging().to_bytes().unwrap()).unwrap();
     let path = CString::new(path.to_str().unwrap()).unwrap();
     let other =
         CString::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/gyro/sg11-s0.safetensors")).unwrap();
@@ -182,7 +186,7 @@ fn a_gyroscopes_bias_is_known_after_as_much_past_as_the_network_looks_at() {
             let found = found.assume_init();
             assert_eq!((found.known, found.wrong_rate), (u8::from(i >= 510), 0));
             let rate = found.matrix[0] * 0.01 + found.bias[0];
-            assert!(rate.abs() < 1e-4, "{found:?}");
+            assert!(rate.abs() < 1e-3, "{found:?}");
         }
     }
     assert_eq!(dpn_gyro_bias_free(bias), Status::Ok);
