@@ -8,7 +8,7 @@ use dpn_core::checksum::hex;
 use dpn_core::trajectory::StampedPose;
 use dpn_io::calibration::{self, Calibration};
 use dpn_io::{IoError, read_poses};
-use dpn_logs::{ImageLog, ImageLogOptions, ImageSpan};
+use dpn_logs::{ImageLog, ImageLogOptions, ImageSpan, LogError};
 use dpn_train::split::{Side, paper_side};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,11 @@ impl LoggedSequence {
                 let Some((file, calibration)) = beside else {
                     return Err(match broken {
                         Some(Err(error)) => error.into(),
-                        _ => ClosedLoopError::NoCalibration { path: path.to_path_buf() },
+                        // Of a log without images nobody needs one.
+                        _ => match log.imu([1, 1]) {
+                            Err(error @ LogError::NoImages { .. }) => error.into(),
+                            _ => ClosedLoopError::NoCalibration { path: path.to_path_buf() },
+                        },
                     });
                 };
                 found = Some(file);

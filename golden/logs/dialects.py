@@ -32,6 +32,37 @@ def iphones():
     expect("stray_scanner.csv", "csv", 100.0, apple, 65575_500_000_000, 1e-6, ["-1 g upwards", "accelerometer in g"])
 
 
+def core_motion():
+    """What Core Motion hands out: gravity apart, in g."""
+    rows = upside_down(motion(100, 120))
+    lines = []
+    for t, g, a in rows:
+        up = math.sqrt(sum(v * v for v in a))
+        gravity = [round(v / up, 6) for v in a]
+        lines.append([f"{500000.25 + t:.6f}", *g, *(f"{v / G - u:.8f}" for v, u in zip(a, gravity)), *gravity])
+    names = [f"{name}.{axis}" for name in ["rotationRate", "userAcceleration", "gravity"] for axis in "xyz"]
+    table("core_motion.csv", [",".join(["timestamp", *names])], lines)
+    expect("core_motion.csv", "csv", 100.0, rows, 500000_250_000_000, 2e-6, ["-1 g upwards", "`gravity.x` added to `userAcceleration.x`", "accelerometer in g"])
+
+
+def metawear():
+    """MbientLab's: a file a sensor, the time of day beside the epoch."""
+    rows = motion(100, 120)
+    for name, unit, at, one in [("Gyroscope", "deg/s", 1, DEG), ("Accelerometer", "g", 2, G)]:
+        head = "epoch (ms),time (-13:00),elapsed (s)," + ",".join(f"{axis}-axis ({unit})" for axis in "xyz")
+        table(f"metawear/MetaWear_C8D9_{name}_100.000Hz_1.5.0.csv", [head], [
+            [1600000000250 + round(row[0] * 1e3), f"2020-09-13T05.26.{40.25 + row[0]:06.3f}", f"{row[0]:.3f}", *(f"{v / one:.6f}" for v in row[at])] for row in rows])
+    expect("metawear", "two_files", 100.0, rows, 1600000000_250_000_000, 1e-5, ["not `time (-13:00)`"])
+
+
+def ticks():
+    """.NET's stamps: 100 ns since the year 1."""
+    rows = motion(100, 120)
+    start, until_1970 = 638_500_000_002_500_000, 621_355_968_000_000_000
+    table("ticks.csv", ["Timestamp,AccelX,AccelY,AccelZ,GyroX,GyroY,GyroZ"], [[start + round(t * 1e7), *a, *g] for t, g, a in rows])
+    expect("ticks.csv", "csv", 100.0, rows, (start - until_1970) * 100, 1e-6, ["stamps in 100ns"])
+
+
 def oxiod():
     rows = motion(100, 120)
     lines = []
@@ -144,8 +175,9 @@ def signed(value):
     return unsigned(2 * value if value >= 0 else -2 * value - 1)
 
 
-def blackbox():
-    """Betaflight's own log: a whole frame (I), then some of differences (P), whose time is foreseen along a line from the second on."""
+def blackbox(name, finer=1):
+    """Betaflight's own log: a whole frame (I), then some of differences (P), whose time is foreseen along a line from the second on. `finer`: what
+    `blackbox_high_resolution` multiplies the gyroscope's counts by, beside the same scale."""
     rows = motion(500, 120)
     gyro_scale, acc_1g = 0.0625, 2048
     names = "loopIteration,time,gyroADC[0],gyroADC[1],gyroADC[2],accSmooth[0],accSmooth[1],accSmooth[2],motor[0],motor[1]"
@@ -153,10 +185,10 @@ def blackbox():
             "Field I predictor:0,0,0,0,0,0,0,0,0,0", "Field I encoding:1,1,0,0,0,0,0,0,1,1", "Field P predictor:6,2,1,1,1,1,1,1,1,1",
             "Field P encoding:9,0,0,0,0,0,0,0,0,0", "Field S name:flightModeFlags", "Field S signed:0", "Field S predictor:0", "Field S encoding:1",
             "Firmware type:Cleanflight", "Firmware revision:Betaflight 4.4.2 (23d066d08) STM32F7X2", "gyro_scale:0x3d800000", f"acc_1G:{acc_1g}",
-            "minthrottle:1070", "motorOutput:158,2047", "motor_pwm_protocol:6"]
+            "minthrottle:1070", "motorOutput:158,2047", "motor_pwm_protocol:6"] + ["blackbox_high_resolution:1"] * (finer > 1)
     data = "".join(f"H {line}\n" for line in head).encode()
     for i, (t, g, a) in enumerate(rows):
-        counts = [round(v / DEG / gyro_scale) for v in g] + [round(v / G * acc_1g) for v in a]
+        counts = [round(v / DEG / gyro_scale * finer) for v in g] + [round(v / G * acc_1g) for v in a]
         now = [33_000_000 + round(t * 1e6), *counts, 200 + i, 300 + i]
         if i % 32 == 0:
             data += b"I" + unsigned(i) + unsigned(now[0]) + b"".join(map(signed, now[1:7])) + b"".join(map(unsigned, now[7:]))
@@ -164,9 +196,9 @@ def blackbox():
             foreseen = before[0] if i % 32 == 1 else 2 * before[0] - older[0]
             data += b"P" + signed(now[0] - foreseen) + b"".join(signed(a - b) for a, b in zip(now[1:], before[1:]))
         older, before = before if i else now, now
-    write("betaflight.bbl", data + b"E\xffEnd of log\0")
+    write(name, data + b"E\xffEnd of log\0")
     # Off by half a count.
-    expect("betaflight.bbl", "blackbox", 500.0, rows, 33_000_000_000, 2.5e-3)
+    expect(name, "blackbox", 500.0, rows, 33_000_000_000, 2.5e-3)
 
 
 def gyroflow():
@@ -182,8 +214,10 @@ def gyroflow():
 
 
 def make():
-    for one in [iphones, oxiod, androids, objects, without_stamps, others, blackbox, gyroflow]:
+    for one in [iphones, core_motion, oxiod, androids, metawear, ticks, objects, without_stamps, others, gyroflow]:
         one()
+    blackbox("betaflight.bbl")
+    blackbox("betaflight_fine.bbl", 10)
 
 
 if __name__ == "__main__":

@@ -4,12 +4,15 @@ use super::{apart, log};
 use crate::args::FitArgs;
 use crate::ui::{out, outln, warn};
 use anyhow::{Context, Result};
-use dpn_core::{ImuRecording, ImuSample, Sensor};
+use dpn_core::{ImuRecording, ImuSample, Recorded, Sensor};
 use dpn_io::asl::write_imu_rows;
 use dpn_io::{atomic_write, read_poses};
 use dpn_truth::{SensorAgainst, against};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::json;
+
+/// Share of a log beside which a trajectory lies, below which there is a word.
+const LEAST_SHARE: f64 = 0.5;
 
 pub(crate) fn run(args: &FitArgs) -> Result<()> {
     apart::folder(
@@ -24,6 +27,13 @@ pub(crate) fn run(args: &FitArgs) -> Result<()> {
     let places = || format!("{} against {}", args.log.path.display(), args.against.display());
     let found = against(&recording, &poses).with_context(places)?;
     warn(&found.report.warnings);
+    let share = found.seconds / recording.length_s();
+    if share < LEAST_SHARE {
+        warn([format!(
+            "the trajectory lies beside {:.0} % of the log: matrix and bias are those of that part, and the bias of the rest may be another",
+            100.0 * share
+        )]);
+    }
     let calibrations = found.sensors.each_ref().map(Calibration::of);
     let [accel, gyro] = &calibrations;
     let apply = |s: &ImuSample| ImuSample { t: s.t, accel: accel.apply(s.accel), gyro: gyro.apply(s.gyro) };

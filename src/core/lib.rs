@@ -32,6 +32,8 @@ mod plateaus;
 #[cfg(feature = "full")]
 pub mod progress;
 #[cfg(feature = "full")]
+mod quiet;
+#[cfg(feature = "full")]
 pub mod random;
 #[cfg(feature = "full")]
 mod samples;
@@ -50,6 +52,8 @@ pub mod truth;
 pub use image::{GrayImage, GrayView};
 pub use imu::{ImuRecording, ImuSample, Sensor};
 pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
+#[cfg(feature = "full")]
+pub use quiet::{LOUD_GYRO, quiet_gyro_noise};
 #[cfg(feature = "full")]
 pub use samples::{Recorded, Samples, median_rate};
 pub use side::Side;

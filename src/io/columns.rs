@@ -72,6 +72,8 @@ pub struct ImuColumns {
     pub accel: [usize; 3],
     /// Where the axes hold angles and velocities gained: columns of the times over which they were, of gyroscope and accelerometer.
     pub intervals: [Option<usize>; 2],
+    /// Where gravity was taken from the accelerometer: its x, y, z, to be added.
+    pub gravity: Option<[usize; 3]>,
 }
 
 impl ImuColumns {
@@ -82,7 +84,7 @@ impl ImuColumns {
 
     /// Stamps in one column, rates and specific forces in six.
     pub const fn new(time: usize, gyro: [usize; 3], accel: [usize; 3]) -> Self {
-        Self { time, nanos: None, gyro, accel, intervals: [None; 2] }
+        Self { time, nanos: None, gyro, accel, intervals: [None; 2], gravity: None }
     }
 }
 

@@ -20,6 +20,9 @@ named!(
         /// Microseconds.
         #[serde(rename = "us")]
         Micros = "us",
+        /// Tenths of a microsecond, in which Windows counts from 1601 on and .NET from the year 1; stamps are rounded to them.
+        #[serde(rename = "100ns")]
+        HundredNanos = "100ns",
         /// Nanoseconds.
         #[serde(rename = "ns")]
         Nanos = "ns",
@@ -37,6 +40,7 @@ impl TimeUnit {
             Self::Millis => 1e-3,
             Self::HundredMicros => 1e-4,
             Self::Micros => 1e-6,
+            Self::HundredNanos => 1e-7,
             Self::Nanos => 1e-9,
         }
     }
@@ -48,6 +52,7 @@ impl TimeUnit {
             Self::Millis => 6,
             Self::HundredMicros => 5,
             Self::Micros => 3,
+            Self::HundredNanos => 2,
             Self::Nanos => 0,
         }
     }
@@ -66,8 +71,17 @@ pub(crate) fn parse_stamp(text: &[u8], unit: TimeUnit) -> Option<Stamp> {
             return Some(Stamp::from_ns(value));
         }
     }
+    if unit == TimeUnit::HundredNanos {
+        // Since the year 1, since 1601, or since a start: ns since either of the former are more than a stamp holds.
+        let ticks = scaled(text, 0)?;
+        let epoch = TICKS_UNTIL_1970.into_iter().find(|epoch| ticks > *epoch).unwrap_or_default();
+        return (ticks - epoch).checked_mul(100).map(Stamp::from_ns);
+    }
     scaled(text, unit.power()).map(Stamp::from_ns)
 }
+
+/// Counts of 100 ns from .NET's epoch and from Windows' until 1970.
+pub(crate) const TICKS_UNTIL_1970: [i64; 2] = [621_355_968_000_000_000, 116_444_736_000_000_000];
 
 /// `text * 10^power` rounded to the nearest integer, halves away from zero.
 fn scaled(text: &[u8], power: i32) -> Option<i64> {

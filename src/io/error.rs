@@ -103,6 +103,18 @@ pub enum IoError {
         /// The median step between stamps, as a number.
         step: f64,
     },
+    /// Stamps that could count in one unit or another, or that count rows.
+    #[error("{}: stamps from {first} in steps of {step} could be {readings}", path.display())]
+    SeveralTimeUnits {
+        /// The file.
+        path: PathBuf,
+        /// The first stamp, as a number.
+        first: f64,
+        /// The median step between stamps, as a number.
+        step: f64,
+        /// What they could be, each with its rate.
+        readings: String,
+    },
     /// A file that is too large for what it should be.
     #[error("{}: more than {most} bytes; no {what} is as large", path.display())]
     TooLarge {
@@ -224,6 +236,9 @@ impl IoError {
             Self::Row { fault, .. } => fault.hint(),
             Self::UnknownTimeUnit { .. } => {
                 "name the stamps' unit (--time-unit s, ms, us, ns), or their column: --columns T,GX,GY,GZ,AX,AY,AZ"
+            }
+            Self::SeveralTimeUnits { .. } => {
+                "name the stamps' unit: --time-unit; of a log whose stamps count rows its rate: --rate HZ"
             }
             Self::BadImage { .. } => {
                 "unpack or record the image again, or convert it to PNG or JPEG of the calibration's size"

@@ -8,9 +8,9 @@
 //! * Columns without a header: the triple that has gravity's length is the accelerometer's.
 
 use super::columns::{AccelUnit, GyroUnit};
-use dpn_core::Samples;
 use dpn_core::imu::ImuSample;
 use dpn_core::signal::stats;
+use dpn_core::{LOUD_GYRO, Samples, quiet_gyro_noise};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::io;
 
@@ -22,10 +22,6 @@ const STRETCH_S: f64 = 5.0;
 const TURNS: f64 = 1.0;
 /// Mean of the turned vectors, in lengths of the vector, below which the numbers are no rad/s.
 const STAYS: f64 = 0.85;
-/// Noise of a sample above which a gyroscope counts in degrees.
-const LOUD: f64 = 0.02;
-/// Noise of the accelerometer, in gravities, below which nothing shakes.
-const QUIET: f64 = 0.01;
 
 fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
@@ -67,30 +63,11 @@ pub(crate) fn gyro_unit(samples: &dyn Samples) -> io::Result<GyroUnit> {
         return Ok(GyroUnit::DegPerSecond);
     }
     let scattered = || Ok::<_, io::Error>(stays_gravity(samples)?.is_some_and(|share| share < STAYS));
-    Ok(if quiet_noise(samples)?.is_some_and(|noise| noise > LOUD) || scattered()? {
+    Ok(if quiet_gyro_noise(samples)?.is_some_and(|noise| noise > LOUD_GYRO) || scattered()? {
         GyroUnit::DegPerSecond
     } else {
         GyroUnit::RadPerSecond
     })
-}
-
-/// Noise of the quietest axis over hundreds of samples in which the accelerometer does not shake: a low quantile; none where it always does.
-fn quiet_noise(samples: &dyn Samples) -> io::Result<Option<f64>> {
-    let noise = |signal: &[f64]| {
-        stats::deviation(&stats::differences(signal, 2), stats::Ddof::Zero) / stats::difference_gain(2)
-    };
-    let of = |chunk: &[ImuSample], axis: fn(&ImuSample) -> [f64; 3]| {
-        (0..3).map(|i| noise(&chunk.iter().map(|s| axis(s)[i]).collect::<Vec<_>>())).fold(0.0, f64::max)
-    };
-    let mut noises = Vec::new();
-    samples.pieces(0..samples.len().min(LOOKED_AT), 100, &mut |chunk| {
-        if chunk.len() == 100 && of(chunk, |s| s.accel) < QUIET * norm(chunk[0].accel) {
-            noises.push(of(chunk, |s| s.gyro));
-        }
-        Ok(())
-    })?;
-    noises.sort_by(f64::total_cmp);
-    Ok((noises.len() >= 5).then(|| noises[noises.len() / 10]))
 }
 
 /// Length of the mean of the accelerometer's vectors, turned back as the numbers say were they rad/s, in lengths of the vector: the median over
@@ -127,11 +104,21 @@ fn stays_gravity(samples: &dyn Samples) -> io::Result<Option<f64>> {
 }
 
 /// Whether the triples read as gyroscope and accelerometer are more likely the other way round: gravity stands in the former and not in
-/// the latter.
+/// the latter, which is shorter or, in degrees, whose length changes more.
 pub(crate) fn swapped(samples: &dyn Samples) -> io::Result<bool> {
-    let gyro = length(samples, |s| s.gyro)?.unwrap_or(0.0);
-    let accel = length(samples, |s| s.accel)?.unwrap_or(0.0);
-    Ok(is_gravity(gyro) && !is_gravity(accel) && accel < gyro)
+    let mut lengths = [Vec::new(), Vec::new()];
+    thinned(samples, &mut |s| {
+        for (lengths, v) in lengths.iter_mut().zip([s.gyro, s.accel]) {
+            lengths.push(norm(v));
+        }
+    })?;
+    if lengths[0].is_empty() {
+        return Ok(false);
+    }
+    let [gyro, accel] = lengths.map(|lengths| [0.1, 0.5, 0.9].map(|share| stats::quantile(&lengths, share)));
+    let spread = |[low, middle, high]: [f64; 3]| (high - low) / middle;
+    let looks_so = accel[1] < gyro[1] || spread(gyro) < 0.3 * spread(accel);
+    Ok(is_gravity(gyro[1]) && !is_gravity(accel[1]) && looks_so)
 }
 
 /// Whether a vector of this length is gravity in one of the usual units.

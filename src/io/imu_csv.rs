@@ -87,10 +87,12 @@ mod tests {
             (1.4e18, 5_000_192.0, TimeUnit::Nanos),
             (0.0, 0.005, TimeUnit::Seconds),
             (0.0, 10.0, TimeUnit::Millis),
-            (12.5, 0.1, TimeUnit::Millis),
+            (12.5, 0.5, TimeUnit::Millis),
             (12.5, 0.099, TimeUnit::Seconds),
             (0.0, 1250.0, TimeUnit::Micros),
             (0.0, 5e6, TimeUnit::Nanos),
+            (1.335e17, 1e5, TimeUnit::HundredNanos),
+            (6.385e17, 5e4, TimeUnit::HundredNanos),
         ];
         for (start, step, unit) in cases {
             let log = case(&stamped(start, step), &CsvOptions::default()).unwrap();
@@ -100,6 +102,14 @@ mod tests {
         let error = case(&stamped(0.0, 1e9), &CsvOptions::default()).unwrap_err();
         assert!(matches!(error, IoError::UnknownTimeUnit { .. }), "{error}");
         assert!(error.hint().unwrap().contains("ns"));
+        for (start, step, readings) in [
+            (12.5, 0.1, "could be ms (10000.0 Hz) or s (10.0 Hz)"),
+            (700.0, 200.0, "could be us (5000.0 Hz) or ms (5.0 Hz)"),
+            (1.0, 1.0, "could be ms (1000.0 Hz), or the rows' numbers"),
+        ] {
+            let error = case(&stamped(start, step), &CsvOptions::default()).unwrap_err().to_string();
+            assert!(error.ends_with(readings), "{error}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::row_fault::RowFault;
 use super::rows::Header;
 use super::unit::{self, Dimension};
-use super::words::{ACCEL, APPLES, GYRO, INTERVALS, NANOS, TIME, Word};
+use super::words::{ACCEL, APPLES, GYRO, INTERVALS, NANOS, TIME, WITHOUT_GRAVITY, Word};
 use super::{IoError, TimeUnit};
 use dpn_core::Sensor;
 use std::path::Path;
@@ -115,6 +115,14 @@ pub(crate) fn from_header(
                 .to_owned(),
         );
     }
+    let gravity =
+        WITHOUT_GRAVITY.iter().find(|(user, _)| *user == word(accel[0])).and_then(|(_, gravity)| {
+            let at = |axis| header.names.iter().position(|name| reduced(name) == format!("{gravity}{axis}"));
+            Some([at('x')?, at('y')?, at('z')?])
+        });
+    if let Some(axes) = gravity {
+        passed.push(format!("`{}` added to `{}`", header.names[axes[0]], header.names[accel[0]]));
+    }
     let nanos = time
         .first()
         .map_or("", |time| word(*time))
@@ -135,6 +143,7 @@ pub(crate) fn from_header(
             gyro,
             accel,
             intervals: [interval(gyro)?, interval(accel)?],
+            gravity,
         },
         time: time_said.as_deref().and_then(time_unit),
         fine: time_said.as_deref() == Some("fine"),

@@ -4,11 +4,12 @@
 //! from the header; what neither says is SI for the sensors, and for time told from the stamps' size:
 //!
 //! * the median step of the first thousand rows gives the unit away, as IMUs run at 10 to 10,000 Hz: [1e-4, 1e-1) in s, [1e-1, 1e2) in ms,
-//!   [1e2, 1e5) in us, [1e5, 1e8) in ns;
+//!   [1e2, 1e5) in us, [1e5, 1e8) in ns; what would be 2 kHz or more is 2 to 10 Hz in the next unit, and is asked about, as is a column that counts rows;
 //! * a first stamp of the years 1973 to 2286 does where the step is of no IMU, and where a log of at least 1 Hz would be of this century.
 
 use super::choice::ColumnChoice;
 use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
+use super::decimal::TICKS_UNTIL_1970;
 use super::names::{self, Named};
 use super::row_fault::RowFault;
 use super::rows::Rows;
@@ -22,6 +23,8 @@ use std::path::Path;
 const SLOWEST_S: f64 = 1e3;
 /// Stamps between 2000 and 2096 are of a clock, not of a sensor's start, as long as their steps are no longer than a second \[s\].
 const CENTURY_S: [f64; 2] = [9.4e8, 4e9];
+/// A step that is shorter in one unit is as likely a thousand times as long in the next: tables of more than 2 kHz are as rare as of less than 10 Hz \[s\].
+const SURE_S: f64 = 5e-4;
 /// No stamp of any IMU follows another as soon \[s\].
 const FASTEST_S: f64 = 1e-5;
 /// Columns from which on a table without a header could mean several things: a stamp and three triples.
@@ -171,6 +174,10 @@ impl Understood {
                 *values = values.map(|v| v / seconds);
             }
         }
+        if let Some(axes) = columns.gravity {
+            let gravity = rows.numbers(axes, ["gravity_x", "gravity_y", "gravity_z"])?;
+            accel.iter_mut().zip(gravity).for_each(|(accel, gravity)| *accel += gravity);
+        }
         Ok(Some(ImuSample { t, gyro, accel }))
     }
 
@@ -318,6 +325,11 @@ impl FirstRows {
     fn step(&self) -> Option<f64> {
         upper_median(self.stamps.windows(2).map(|w| w[1] - w[0]))
     }
+
+    /// Whether the stamps are 0, 1, 2, ..., or begin at 1.
+    fn count_rows(&self) -> bool {
+        matches!(self.stamps.first(), Some(0.0 | 1.0)) && self.stamps.windows(2).all(|w| w[1] - w[0] == 1.0)
+    }
 }
 
 /// Reads them; `loose` passes over rows that cannot be read, as long as one can.
@@ -377,10 +389,36 @@ fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Result<TimeUn
                 within(start * unit.seconds(), least, most) && step * unit.seconds() <= slowest * 1.005
             }
         });
-    let between = |unit: &TimeUnit| within(step * unit.seconds(), 1e-4, 1e-1);
+    // Newest first is a fault of its own.
+    let step_s = |unit: &TimeUnit| step.abs() * unit.seconds();
+    let between = |unit: &TimeUnit| within(step_s(unit), 1e-4, 1e-1);
     let find = |is: &dyn Fn(&TimeUnit) -> bool| TimeUnit::USUAL.into_iter().find(|unit| is(unit));
-    find(&century)
-        .or_else(|| find(&between))
-        .or_else(|| find(&since_1970))
-        .ok_or_else(|| IoError::UnknownTimeUnit { path: path.to_path_buf(), first: start, step })
+    if let Some(unit) = find(&century) {
+        return Ok(unit);
+    }
+    let in_century = |epoch: i64| within(start - epoch as f64, CENTURY_S[0] * 1e7, CENTURY_S[1] * 1e7);
+    if TICKS_UNTIL_1970.into_iter().any(in_century) && within(step, 1e3, 1e7) {
+        return Ok(TimeUnit::HundredNanos);
+    }
+    let several =
+        |readings| IoError::SeveralTimeUnits { path: path.to_path_buf(), first: start, step, readings };
+    let Some(unit) = find(&between) else {
+        return find(&since_1970).ok_or_else(|| IoError::UnknownTimeUnit {
+            path: path.to_path_buf(),
+            first: start,
+            step,
+        });
+    };
+    let shown = |unit: TimeUnit| format!("{unit} ({:.1} Hz)", step_s(&unit).recip());
+    if first.count_rows() {
+        return Err(several(format!("{}, or the rows' numbers", shown(unit))));
+    }
+    let longer =
+        TimeUnit::USUAL.into_iter().find(|longer| (longer.seconds() / unit.seconds() - 1e3).abs() < 1.0);
+    match longer {
+        Some(longer) if step_s(&unit) < SURE_S * 0.995 => {
+            Err(several(format!("{} or {}", shown(unit), shown(longer))))
+        }
+        _ => Ok(unit),
+    }
 }

@@ -30,7 +30,8 @@ pub(super) const TIME: [Word; 42] = [
     ("gyrotimestampsincereboot", 7, "s"),
     ("motiontimestampsincereboot", 6, "s"),
     ("accelerometertimestampsincereboot", 5, "s"),
-    ("epoch", 4, ""),
+    // MbientLab writes the time of day beside it.
+    ("epoch", 5, ""),
     ("timesincestart", 4, ""),
     ("sincestart", 4, ""),
     ("seconds", 3, "s"),
@@ -89,7 +90,7 @@ pub(super) const GYRO: [Word; 23] = [
     ("gyrointegralrad", 1, "rads"),
 ];
 /// Of accelerometers, without the axis.
-pub(super) const ACCEL: [Word; 26] = [
+pub(super) const ACCEL: [Word; 28] = [
     ("a", 2, ""),
     ("arss", 3, ""),
     ("acc", 3, ""),
@@ -117,9 +118,15 @@ pub(super) const ACCEL: [Word; 26] = [
     ("accelerometeruncalibrated", 1, ""),
     ("deltavelocity", 1, "ms2"),
     ("accelerometerintegralms", 1, "ms2"),
+    ("useracceleration", 0, ""),
+    ("motionuseracceleration", 0, ""),
 ];
+/// Of accelerations from which Apple's Core Motion took gravity, and of that gravity.
+pub(super) const WITHOUT_GRAVITY: [(&str, &str); 2] =
+    [("useracceleration", "gravity"), ("motionuseracceleration", "motiongravity")];
 /// Of accelerometers that read -1 g upwards, as Apple's do.
-pub(super) const APPLES: [&str; 1] = ["accelerometeracceleration"];
+pub(super) const APPLES: [&str; 3] =
+    ["accelerometeracceleration", "useracceleration", "motionuseracceleration"];
 /// Of words for what was gained over an interval, those for the interval.
 pub(super) const INTERVALS: [(&str, &str); 4] = [
     ("deltaangle", "deltaangledt"),

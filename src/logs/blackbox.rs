@@ -1,7 +1,8 @@
 //! Betaflight's and INAV's blackbox (`.bbl`, `.bfl`), by the crate `blackbox-log`: `gyroADC`, `accSmooth` and the motors of the main frames.
 //!
 //! A file holds a log an arming, each behind a header of its own that says what a count is: `gyro_scale` (the bits of a float, deg/s) and `acc_1G`. The crate
-//! passes over damaged frames by itself. Axes stay as the board has them.
+//! passes over damaged frames by itself. Axes stay as the board has them. Betaflight from 4.4 on counts tenths where its header says `blackbox_high_resolution:1`; the
+//! scale beside it stays that of whole counts.
 
 use crate::detect::BLACKBOX;
 use crate::records::{Holds, Records};
@@ -48,7 +49,8 @@ fn frames(headers: &Headers<'_>, log: &[u8], records: &mut Records) {
     };
     let bits =
         said(log, "gyro_scale").and_then(|hex| u32::from_str_radix(hex.trim_start_matches("0x"), 16).ok());
-    let turn = bits.map(|bits| f64::from(f32::from_bits(bits)).to_radians());
+    let finer = if said(log, "blackbox_high_resolution").is_some_and(|on| on != "0") { 10.0 } else { 1.0 };
+    let turn = bits.map(|bits| f64::from(f32::from_bits(bits)).to_radians() / finer);
     let force = said(log, "acc_1G")
         .and_then(|count| count.parse::<f64>().ok())
         .map(|count| AccelUnit::StandardGravity.factor() / count);

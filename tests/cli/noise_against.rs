@@ -44,6 +44,12 @@ fn a_trajectory_tells_the_noise_and_one_that_does_not_fit_is_named() {
         serde_json::from_str(&std::fs::read_to_string(dir.join("fit/calibration.json")).unwrap()).unwrap();
     assert_eq!(fitted["calibration"][1]["sensor"], "gyro");
 
+    assert!(!done.stderr.contains("lies beside"), "{done:?}");
+    let less: String = truth.lines().take(1201).map(|line| format!("{line}\n")).collect();
+    std::fs::write(dir.join("less.csv"), less).unwrap();
+    let done = call("fit log.csv --against less.csv --out less").well();
+    assert!(done.stderr.contains("warning: the trajectory lies beside 40 % of the log: "), "{done:?}");
+
     // Half its size, in TUM's columns.
     let half = truth.lines().skip(1).fold(String::new(), |mut text, line| {
         let v: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();

@@ -261,6 +261,60 @@ fn an_asl_folder_whose_stamps_are_seconds_is_read_in_seconds() {
 }
 
 #[test]
+fn stamps_that_could_be_two_units_or_rows_are_asked_about() {
+    let dir = tempfile::tempdir().unwrap();
+    let stamped = |step: i64, from: i64| {
+        let text = changed(3000, |i, t, _| *t = from + step * i as i64);
+        under("time,gx [rad/s],gy,gz,ax [m/s^2],ay,az", &text)
+    };
+    for (text, readings, flags, head) in [
+        (
+            stamped(200, 7000),
+            "could be us (5000.0 Hz) or ms (5.0 Hz)",
+            ["--time-unit", "ms"],
+            "3000 samples, 599.8 s, 5.00 Hz",
+        ),
+        (
+            stamped(100, 7000),
+            "could be us (10000.0 Hz) or ms (10.0 Hz)",
+            ["--time-unit", "ms"],
+            "3000 samples, 299.9 s, 10.00 Hz",
+        ),
+        (
+            stamped(1, 0),
+            "could be ms (1000.0 Hz), or the rows' numbers",
+            ["--rate", "200"],
+            "3000 samples, 15.0 s, 200.00 Hz",
+        ),
+        (
+            stamped(1, 1),
+            "could be ms (1000.0 Hz), or the rows' numbers",
+            ["--time-unit", "ms"],
+            "3000 samples, 3.0 s, 1000.00 Hz",
+        ),
+    ] {
+        let log = write(dir.path(), "log.csv", &text);
+        let done = check(&log, &[]);
+        assert!(done.code == Some(2) && done.stderr.contains(readings), "{done:?}");
+        let told = check(&log, &flags).well();
+        assert!(told.stdout.starts_with(head), "{told:?}");
+    }
+    // Newest first is what it is.
+    let backwards = write(dir.path(), "backwards.csv", &stamped(-5000, 90_000_000));
+    let done = check(&backwards, &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("time goes back at 2999 of 3000"), "{done:?}");
+}
+
+#[test]
+fn microseconds_under_a_header_of_nanoseconds_are_a_word_of_every_command() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = write(dir.path(), "us.csv", &changed(3000, |_, t, _| *t /= 1000));
+    let out = dir.path().join("out.csv");
+    let done = end(dpn().arg("convert").arg(&log).arg("--out").arg(&out)).well();
+    assert!(done.stderr.contains("rate: 200000 Hz: no IMU is as fast"), "{done:?}");
+}
+
+#[test]
 fn many_logs_are_a_table_with_a_row_for_what_cannot_be_read_and_fail_where_that_is_asked() {
     let dir = tempfile::tempdir().unwrap();
     let folder = dir.path().join("robots");
@@ -391,6 +445,8 @@ fn faults() -> Vec<Fault> {
     };
     let in_g = scaled(1.0 / 9.80665);
     let in_mg = scaled(1e3 / 9.80665);
+    let said_g = under("time [ns],gx [rad/s],gy,gz,ax [g],ay,az", &changed(3000, |_, _, _| {}));
+    let coarse = changed(3000, |i, t, _| *t = 10_000_000 * (i as i64 / 2));
     let counts = changed(3000, |_, _, v| {
         v[..3].iter_mut().for_each(|v| *v = (v.to_degrees() * 131.0).round());
         v[3..].iter_mut().for_each(|v| *v = (*v / 9.80665 * 16384.0).round());
@@ -425,6 +481,7 @@ fn faults() -> Vec<Fault> {
             told(&in_mg, &["--accel-unit", "m/s^2"]),
             told(&in_mg, &["--accel-unit", "mg"]),
         ),
+        ("units", "--accel-unit m/s^2", told(&said_g, &[]), told(&said_g, &["--accel-unit", "m/s^2"])),
         (
             "units",
             "--sensor-scale NAME-RANGE",
@@ -447,6 +504,7 @@ fn faults() -> Vec<Fault> {
         ("gaps", "full buffer", (without(1000..1040), &[]), sound()),
         ("repeats", "log at its own rate", (frozen, &[]), sound()),
         ("held", "each sensor at its own rate", (text(&held), &[]), (text(&own), &[])),
+        ("stamps", "count them (--rate)", told(&coarse, &[]), told(&coarse, &["--rate", "200"])),
         ("stamps", "published twice", (with_field(1500, 0, "7495000000"), &[]), sound()),
         ("stamps", "two writers", (with_field(1500, 0, "7450000001"), &[]), sound()),
         ("values", "a failed read", (with_field(1500, 2, "nan"), &[]), (without(1500..1501), &[])),
@@ -510,6 +568,8 @@ fn a_cut_bag_recorded_again_and_covariances_written_anew_are_no_findings() {
     let line = |done: &Done, about: &str| {
         done.stdout.lines().skip_while(|line| !line.contains(about)).take(2).collect::<Vec<_>>().join("\n")
     };
+    let moving = end(dpn().arg("run").arg(&bag));
+    assert!(moving.code == Some(2) && moving.stderr.contains("no images on any topic"), "{moving:?}");
     let done = check(&bag, &[]).well();
     let found = line(&done, "warning: covariance: ");
     assert!(found.contains("`dpn noise LOG --into FILE.mcap` writes them anew"), "{done:?}");

@@ -125,6 +125,12 @@ fn a_picture_is_left_with_its_numbers() {
         dir.path(),
         "error: plot.pdf: pictures are SVG and PNG\n\nhint: name FILE.svg; a browser prints it as PDF",
     );
+    for folder in ["out", "new/", ".."] {
+        let words = format!(
+            "error: --save_plot {folder}: a folder, and a picture needs a name\n\nhint: name a file in it: FILE.svg"
+        );
+        of(&["--save_plot", folder]).refused(dir.path(), &words);
+    }
 }
 
 #[test]

@@ -273,6 +273,13 @@ fn fault(
 
 /// Where a picture comes, without its ending.
 fn stem(file: &Path) -> Result<PathBuf> {
+    if file.file_name().is_none()
+        || file.is_dir()
+        || file.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
+    {
+        let message = format!("--save_plot {}: a folder, and a picture needs a name", file.display());
+        return Err(Fault::new(message).hint("name a file in it: FILE.svg").into());
+    }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {
         Some("svg" | "png") => Ok(file.with_extension("")),

@@ -13,7 +13,7 @@ const JUMP_TIMES: f64 = 10.0;
 /// Rates at which IMUs are read, a little wider \[Hz\].
 const RATES: [f64; 2] = [9.0, 9000.0];
 /// Beyond there is none at all \[Hz\].
-const FASTEST: f64 = 1e5;
+const FASTEST: f64 = 4e4;
 
 /// The longest part of a recording whose clock was left alone, none where that is all of it, and what is to be said of the jumps.
 ///

@@ -3,6 +3,7 @@
 //! * [`timing`]: rate, jitter, dropped samples, the same sample twice.
 //! * `clock`: clocks that were set, rates that no IMU has.
 //! * [`values`]: gravity, units, swapped columns, clipped and dead axes, converter steps.
+//! * `mixed`: a gyroscope's unit, axes that are others, readings that jump by themselves.
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
@@ -17,6 +18,7 @@ mod clock;
 #[cfg(feature = "logs")]
 mod covariance;
 mod kept;
+mod mixed;
 pub mod motion;
 #[cfg(feature = "logs")]
 pub mod reading;
@@ -127,16 +129,21 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     findings.extend(outliers);
     let (fresh, repeats) = timing::without_repeats(measured)?;
     let measured = fresh.as_ref().map_or(measured, |fresh| fresh);
+    let is_repeating = repeats.is_some();
     findings.extend(repeats);
     let rest = crate::allan::rest::rest(measured)?;
     let spectra = vibration::spectra(measured)?;
     let (of_values, gravity) = values::findings(measured, &rest)?;
     findings.extend(of_values);
-    findings.extend(vibration::findings(&spectra));
+    findings.extend(mixed::copies(measured)?);
+    findings.extend(mixed::jumps(measured)?);
+    findings.extend(vibration::finding(&spectra));
     let stretches = phases(measured)?;
     findings.extend(motion::findings(measured, &rest, &stretches)?);
     let at_rest = RestNoise::of(measured, &stretches)?;
-    findings.extend(at_rest.iter().flat_map(RestNoise::findings));
+    // Where rows repeat, both sensors are held.
+    let of_rest = at_rest.iter().flat_map(RestNoise::findings);
+    findings.extend(of_rest.filter(|f| !is_repeating || f.about != "held"));
     let noise = |sensor| {
         let of = at_rest.as_ref()?.sensors.iter().find(|noise| noise.sensor == sensor)?;
         Some(of.densities()?.iter().map(|density| density.value).fold(0.0, f64::max))

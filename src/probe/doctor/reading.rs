@@ -24,7 +24,7 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
         findings.push(Finding::bad(
             "sensors",
             format!("the log has the {} alone", instrument(sensor)),
-            "give the folder in which the other sensor's file lies too: an odometry needs both; what is found here is of this one",
+            "give the folder in which the other sensor's file lies too, or say which columns are its (--columns): an odometry needs both; what is found here is of this one",
         ));
     }
     if let Some(text) = log.parts_words() {
@@ -53,7 +53,7 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
         "stamps",
         &sieved.repeated,
         "with the stamp of the one before",
-        "write stamps with more digits, or look for a message that is published twice",
+        "write stamps with more digits, count them (--rate), or look for a message that is published twice",
     );
     left(
         "stamps",

@@ -10,6 +10,8 @@ use std::io;
 
 /// Jitter of a step, relative to the median one, from which an integrator notices.
 const JITTER: f64 = 0.05;
+/// Rates by count and by the median step that are one.
+const UNEVEN: f64 = 1.1;
 /// A step longer than nearly all others by this factor is a hole, not the pause behind a burst.
 const PAUSE: f64 = 5.0;
 /// Share of samples equal to the one before from which the log is polled faster than the sensor,
@@ -45,6 +47,7 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f6
     let (rough, mut off) = (sum / even, 0.0);
     each_step(&mut |step| off += if step <= longest { step - rough } else { 0.0 })?;
     let usual = rough + off / even;
+    let (by_step, by_count) = (recording.rate().hz(), usual.recip());
     let mut bursts = 0;
     each_step(&mut |step| bursts += usize::from(step <= longest && step < 0.2 * usual))?;
     let is_burst = bursts as f64 > 0.05 * count as f64;
@@ -79,6 +82,13 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f6
         ));
     }
     findings.extend(holes.finding(recording.len()));
+    if !is_burst && by_count > UNEVEN * by_step {
+        findings.push(Finding::bad(
+            "rate",
+            format!("{by_step:.1} Hz by the median step, but {by_count:.1} Hz by the number of samples: coarse stamps, or samples that are lost regularly"),
+            "write stamps with more digits, or count the samples: --rate; noise per sample goes with the rate",
+        ));
+    }
     Ok((findings, holes.lost))
 }
 

@@ -1,7 +1,7 @@
 //! Gravity, units, swapped columns, clipped and dead axes, the converter's step.
 
-use super::clock;
 use super::kept::Kept;
+use super::{clock, mixed};
 use crate::allan::rest::Rest;
 use crate::finding::{Finding, Weight};
 use dpn_core::check::{RecordingFault, stuck};
@@ -67,6 +67,9 @@ pub(super) fn without_outliers(recording: &dyn Recorded) -> io::Result<(Option<K
 /// What is to be said, and the length of the specific force.
 pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<(Vec<Finding>, f64)> {
     let (mut findings, force) = gravity(recording, rest)?;
+    if !is_mixed_up(&findings) {
+        findings.extend(mixed::loud(recording)?);
+    }
     for fault in stuck(recording)? {
         let about = match &fault {
             RecordingFault::Saturated { .. } => "clipped",
@@ -111,9 +114,17 @@ pub fn meaningless(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     let thin =
         ImuRecording::new(thin).expect("every so manieth sample of a recording, thousands or all of them");
     let (mut findings, _) = gravity(&thin, &Rest::default())?;
+    if !is_mixed_up(&findings) {
+        findings.extend(mixed::loud(measured)?);
+    }
     findings.extend(jumps.into_iter().chain(clock::unlikely(recording.rate())).chain(outliers));
     findings.retain(|finding| finding.weight == Weight::Bad);
     Ok(findings)
+}
+
+/// Whether columns or the unit of a sensor are doubted already.
+fn is_mixed_up(findings: &[Finding]) -> bool {
+    findings.iter().any(|finding| ["units", "columns"].contains(&finding.about))
 }
 
 /// What a range of a log reads by its medians.
@@ -160,6 +171,11 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<(Vec<Finding>, f
     let units = [
         ("g", 0.9..1.1, "read the log with --accel-unit g"),
         ("mg", 900.0..1100.0, "read the log with --accel-unit mg"),
+        (
+            "m/s^2, not in g",
+            94.0..98.5,
+            "read the log with --accel-unit m/s^2; see whether the gyroscope's unit is another than the header's too",
+        ),
     ];
     if let Some((unit, _, remedy)) = units.into_iter().find(|(_, forces, _)| forces.contains(&force)) {
         findings.push(Finding::bad("units", format!("{read}: it counts in {unit}"), remedy));

@@ -104,28 +104,38 @@ pub fn shaking(spectra: &[AxisSpectrum]) -> Vec<Shaking> {
     spectra.iter().flat_map(of).collect()
 }
 
-pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
-    let finding = |Shaking { sensor, axis, hz, rms, share, nyquist, .. }: Shaking| {
-        let text = format!(
-            "{sensor} {} shakes at {hz:.1} Hz: {rms:.3} {} rms, {:.0} % of its power above {LEAST_HZ:.0} Hz",
-            ["x", "y", "z"][axis],
-            sensor.unit(),
-            100.0 * share
-        );
-        if hz > 0.8 * nyquist {
-            return Finding::warning(
-                "vibration",
-                format!(
-                    "{text}; this near to half the rate ({nyquist:.0} Hz) it is probably a higher frequency folded back"
-                ),
-                "mount the IMU softer, or switch on its low-pass filter; what is folded back cannot be filtered afterwards",
-            );
-        }
-        let remedy =
-            "mount the IMU softer or balance what turns; until then tell the estimator a larger noise";
-        Finding::warning("vibration", text, remedy)
+/// All that shakes, in one.
+pub(super) fn finding(spectra: &[AxisSpectrum]) -> Option<Finding> {
+    let all = shaking(spectra);
+    let half = all.first()?.nyquist;
+    let (folded, seen): (Vec<Shaking>, Vec<Shaking>) = all.into_iter().partition(|s| s.hz > 0.8 * half);
+    let words = |of: &[Shaking]| {
+        let one = |Shaking { sensor, axis, hz, rms, share, .. }: &Shaking| {
+            let (axis, unit) = (["x", "y", "z"][*axis], sensor.unit());
+            format!("{sensor} {axis} at {hz:.1} Hz ({rms:.3} {unit} rms, {:.0} %)", 100.0 * share)
+        };
+        of.iter().map(one).collect::<Vec<_>>().join(", ")
     };
-    shaking(spectra).into_iter().map(finding).collect()
+    let folded_words = format!(
+        "so near to half the rate ({half:.0} Hz) that a higher frequency is probably folded back: {}",
+        words(&folded)
+    );
+    let (text, remedy) = match (seen.is_empty(), folded.is_empty()) {
+        (true, _) => (
+            folded_words,
+            "mount the IMU softer, or switch on its low-pass filter; what is folded back cannot be filtered afterwards",
+        ),
+        (_, true) => (
+            words(&seen),
+            "mount the IMU softer or balance what turns; until then tell the estimator a larger noise",
+        ),
+        _ => (
+            format!("{}; {folded_words}", words(&seen)),
+            "mount the IMU softer or balance what turns, and switch on its low-pass filter: what is folded back cannot be filtered afterwards; until then tell the estimator a larger noise",
+        ),
+    };
+    let text = format!("bands with a share of an axis' power above {LEAST_HZ:.0} Hz: {text}");
+    Some(Finding::warning("vibration", text, remedy))
 }
 
 /// A band that stands out.
@@ -183,20 +193,20 @@ mod tests {
     #[test]
     fn a_shaking_axis_is_named_with_frequency_and_strength() {
         let mut samples = level(60);
-        assert!(findings(&spectra(&ImuRecording::new(samples.clone()).unwrap()).unwrap()).is_empty());
+        let found = |samples: Vec<_>| finding(&spectra(&ImuRecording::new(samples).unwrap()).unwrap());
+        assert_eq!(found(samples.clone()), None);
         for s in &mut samples {
             let t = s.t.ns() as f64 * 1e-9;
             s.accel[0] += (2.0 * std::f64::consts::PI * 43.2 * t).sin();
             // 110.5 Hz, seen at 89.5.
             s.gyro[1] += 0.1 * (2.0 * std::f64::consts::PI * 110.5 * t).sin();
         }
-        let found = findings(&spectra(&ImuRecording::new(samples).unwrap()).unwrap());
-        assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found[0].text.starts_with("accel x shakes at 43.2 Hz: 0.7"), "{found:?}");
+        let Finding { text, remedy, .. } = found(samples).unwrap();
+        assert!(text.contains("8 Hz: accel x at 43.2 Hz (0.7"), "{text}");
+        assert!(text.contains("; so near to half the rate (100 Hz) that a higher frequency is probably folded back: gyro y at 89.5 Hz (0.07"), "{text}");
         assert!(
-            found[1].text.starts_with("gyro y shakes at 89.5 Hz: 0.07")
-                && found[1].text.contains("folded back"),
-            "{found:?}"
+            remedy.unwrap().contains("balance what turns, and switch on its low-pass filter"),
+            "{remedy:?}"
         );
     }
 
