@@ -36,6 +36,8 @@ named!(
         Okvis = "OKVIS",
         /// DSO's and DM-VIO's `camera.txt`, with Kalibr's extrinsics.
         Dso = "DSO camera.txt",
+        /// XRSLAM's configuration of a device.
+        Xrslam = "XRSLAM",
         /// What ROS says of a camera while it runs; no file.
         CameraInfo = "ROS CameraInfo",
     }

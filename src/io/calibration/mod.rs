@@ -1,4 +1,4 @@
-//! A camera's calibration as other programs write it: Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS, ASL, DSO.
+//! A camera's calibration as other programs write it: Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS, ASL, DSO, XRSLAM.
 //!
 //! * [`read`]: file to [`Calibration`], the program known by the file's keys.
 //! * One file a format, each from keys to what it says; `keys` reads values with their lines, `found` holds them to what a camera can be.
@@ -17,6 +17,7 @@ mod keys;
 mod okvis;
 mod orbslam;
 mod vins;
+mod xrslam;
 
 pub use error::CalibrationError;
 pub use found::{Calibration, CalibrationFormat, Extrinsics};
@@ -92,6 +93,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Calibration, CalibrationError>
         CalibrationFormat::OrbSlam3 => orbslam::read(&keys)?,
         CalibrationFormat::Basalt => basalt::read(&keys)?,
         CalibrationFormat::Okvis => okvis::read(&keys)?,
+        CalibrationFormat::Xrslam => xrslam::read(&keys)?,
     };
     let mut calibration = found.checked(format)?;
     calibration.imu = noise_of(path, bytes, &keys);
@@ -103,6 +105,9 @@ fn format_of(keys: &Keys<'_>) -> Option<CalibrationFormat> {
     let any = |names: &[&str]| names.iter().any(|name| keys.has(name));
     if any(&["relative_config_imucam"]) {
         return Some(CalibrationFormat::OpenVins);
+    }
+    if xrslam::is(keys) {
+        return Some(CalibrationFormat::Xrslam);
     }
     if let Some(camera) = keys.below("cam0") {
         let open_vins = camera.has("T_imu_cam");

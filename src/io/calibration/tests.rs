@@ -198,3 +198,18 @@ fn other_lenses_of_each_program_are_read() {
     ];
     assert_eq!(lens("okvis2.yaml", &eight).1.len(), 8);
 }
+
+#[test]
+fn xrslams_camera_and_imu_both_sit_on_a_body() {
+    use crate::noise_formats::xrslam::tests::DEVICE;
+    let of = |text: &str| parse(text.as_bytes(), Path::new("device.yaml")).unwrap();
+    let read = of(DEVICE);
+    assert_eq!((read.format, read.offset_s), (CalibrationFormat::Xrslam, 0.01));
+    let pose = read.camera.body_from_cam;
+    assert!((pose.translation.vector - nalgebra::Vector3::new(0.02, 0.07, 0.0)).norm() < 1e-12, "{pose}");
+    assert!((pose.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{pose}");
+    assert_eq!(read.camera.coefficients, [0.1, -0.2, 0.001, 0.002]);
+    assert!(read.imu.is_some());
+    let straight = of(&DEVICE.replace("camera_distortion_flag: 1", "camera_distortion_flag: 0"));
+    assert_eq!(straight.camera.distortion, Distortion::None);
+}

@@ -32,6 +32,7 @@ mod table;
 pub(crate) mod tree;
 mod vins;
 mod write;
+pub(crate) mod xrslam;
 
 pub use calibration::{Given, NoiseCalibration, Zero};
 pub use convert::Conversion;

@@ -4,7 +4,7 @@ use super::calibration::{Given, NoiseCalibration};
 use super::error::FormatError;
 use super::format::Format;
 use super::tree::Tree;
-use super::{datasheet, imu_utils, kalibr_results, keyed, ros, vins};
+use super::{datasheet, imu_utils, kalibr_results, keyed, ros, vins, xrslam};
 use crate::small::{read_config, read_config_from};
 use std::path::Path;
 
@@ -32,7 +32,9 @@ pub fn parse(
 ) -> Result<NoiseCalibration, FormatError> {
     let results = kalibr_results::as_yaml(bytes);
     let tree = Tree::parse(results.as_ref().map_or(bytes, |text| text.as_bytes()), path)?;
-    if let Some(mut source) = imu_utils::read(&tree, path, given)? {
+    let known = imu_utils::read(&tree, path, given)?
+        .map_or_else(|| xrslam::read(&tree, path, given), |known| Ok(Some(known)))?;
+    if let Some(mut source) = known {
         source.take(given)?;
         return Ok(source);
     }
