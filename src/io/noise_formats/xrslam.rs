@@ -8,7 +8,7 @@ use super::key_fault::KeyFault;
 use super::keyed;
 use super::step::{Remark, Step};
 use super::tree::Tree;
-use dpn_core::noise::{Figure, Meaning};
+use dpn_core::noise::{Axes, Figure, Meaning};
 use dpn_core::time::SampleRate;
 use std::path::Path;
 
@@ -40,7 +40,10 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Option<Noi
         let bad = |bad: dpn_core::noise::units::BadNoise| {
             FormatError::key(path, entry.line, key, KeyFault::NotPositive { value: bad.0 })
         };
-        let values = squares.map(f64::sqrt);
+        let values = match squares {
+            Axes::Same(square) => Axes::Same(square.sqrt()),
+            Axes::Each(squares) => Axes::Each(squares.map(f64::sqrt)),
+        };
         source.figures.set(figure, meaning, values, rate).map_err(bad)?;
         source.steps.push(Step::to_density(
             &format!("sqrt({key})"),
@@ -60,7 +63,6 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Option<Noi
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use dpn_core::noise::Axes;
 
     /// A device's, with what decorates it.
     pub(crate) const DEVICE: &str = "%YAML:1.0
