@@ -17,7 +17,7 @@ use dpn_eval::injected::Course;
 use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
 use dpn_eval::sweeps::LoopJob;
-use dpn_io::{FolderLock, IoError, ResultPath};
+use dpn_io::{FolderLock, ResultPath};
 use dpn_pronet::DualProNet;
 use dpn_train::base::Base;
 use dpn_train::split::Side;
@@ -85,12 +85,8 @@ impl Paper<'_> {
         })?;
         let cells = self.work.join(&made.run).join(CELLS);
         // They served to go on with; the rows are whole now.
-        match std::fs::remove_dir_all(cells.path()) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(IoError::Write { path: cells.path().to_owned(), source }.into())
-            }
-            _ => Ok(made),
-        }
+        cells.remove_all()?;
+        Ok(made)
     }
 
     /// What the study's sweep keeps of runs for the figures.

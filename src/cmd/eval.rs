@@ -3,7 +3,7 @@
 use super::{closed_loop, corpus, inertial, program, shipped, stop};
 use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault, errln, outln, print_pictures};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use dpn_core::{SampleRate, Sensor};
 use dpn_eval::open_loop::{OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{rmse_vs_sigma, save};
@@ -53,7 +53,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     write_tables(&rows, out)?;
     let pictures = draw(&request, &rows, out)?;
     // They served to go on with; rows and pictures are whole now.
-    std::fs::remove_dir_all(cells.path()).with_context(|| format!("cannot remove {}", cells.display()))?;
+    cells.remove_all()?;
     if args.json {
         outln!("{}", serde_json::json!({ "rows": rows }))?;
     } else {

@@ -193,8 +193,15 @@ impl Waiting {
         while self.all().len() >= WAITING {
             self.drop_oldest();
         }
+        let own = loop {
+            match stream.try_clone() {
+                Ok(own) => break own,
+                // Out of files: the oldest gives its own back.
+                Err(_) => self.drop_oldest().then_some(())?,
+            }
+        };
         let place = self.next.fetch_add(1, Ordering::Relaxed);
-        self.all().push_back((place, stream.try_clone().ok()?));
+        self.all().push_back((place, own));
         Some(place)
     }
 
@@ -202,12 +209,11 @@ impl Waiting {
         self.all().retain(|(other, _)| *other != place);
     }
 
-    fn drop_oldest(&self) {
+    /// Whether there was one.
+    fn drop_oldest(&self) -> bool {
         let oldest = self.all().pop_front();
         // Its thread reads no more, and ends.
-        if let Some((_, stream)) = oldest {
-            let _ = stream.shutdown(Shutdown::Both);
-        }
+        oldest.map(|(_, stream)| stream.shutdown(Shutdown::Both)).is_some()
     }
 
     fn all(&self) -> std::sync::MutexGuard<'_, VecDeque<(usize, TcpStream)>> {
@@ -285,6 +291,18 @@ mod tests {
         }
         is_heard(address);
         drop((silent, half, deaf));
+    }
+
+    #[test]
+    fn who_waits_longest_goes_first() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let waiting = Waiting::default();
+        assert!(!waiting.drop_oldest());
+        let streams: Vec<TcpStream> =
+            (0..WAITING + 2).map(|_| TcpStream::connect(listener.local_addr().unwrap()).unwrap()).collect();
+        let places: Vec<_> = streams.iter().map(|stream| waiting.enter(stream).unwrap()).collect();
+        let left: Vec<_> = waiting.all().iter().map(|(place, _)| *place).collect();
+        assert_eq!(left, places[2..]);
     }
 
     #[test]

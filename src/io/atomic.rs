@@ -30,7 +30,7 @@ pub fn atomic_write(
         return write_named(path.path(), fill).map_err(failed);
     }
     let (folder, name) = path.place()?;
-    leftovers::clear_once(path.path().parent().expect("it is below another"));
+    leftovers::clear_once(path.path().parent().expect("it is below another"), &folder);
     write(&folder, name, fill).map_err(failed)
 }
 
@@ -52,8 +52,9 @@ fn write_named(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>)
     };
     let name = target.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
     fs::create_dir_all(folder)?;
-    leftovers::clear_once(folder);
-    write(&Folder::named(folder)?, name, fill)
+    let opened = Folder::named(folder)?;
+    leftovers::clear_once(folder, &opened);
+    write(&opened, name, fill)
 }
 
 /// A temporary file, removed unless it took its place.

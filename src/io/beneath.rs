@@ -100,6 +100,11 @@ mod system {
             Ok(fs::unlinkat(&self.0, name, AtFlags::empty())?)
         }
 
+        /// Takes an empty folder away.
+        pub(crate) fn remove_folder(&self, name: &OsStr) -> io::Result<()> {
+            Ok(fs::unlinkat(&self.0, name, AtFlags::REMOVEDIR)?)
+        }
+
         pub(crate) fn kind(&self, name: &OsStr) -> io::Result<Kind> {
             let stat = fs::statat(&self.0, name, AtFlags::SYMLINK_NOFOLLOW)?;
             Ok(match FileType::from_raw_mode(stat.st_mode) {
@@ -178,6 +183,10 @@ mod system {
 
         pub(crate) fn remove(&self, name: &OsStr) -> io::Result<()> {
             fs::remove_file(self.0.join(name))
+        }
+
+        pub(crate) fn remove_folder(&self, name: &OsStr) -> io::Result<()> {
+            fs::remove_dir(self.0.join(name))
         }
 
         pub(crate) fn kind(&self, name: &OsStr) -> io::Result<Kind> {

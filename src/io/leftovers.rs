@@ -3,8 +3,8 @@
 //! A temporary file carries its process in its name and is locked while it is written. It is abandoned where no process of that number lives and
 //! nobody holds its lock: the number alone may be another container's, the lock alone may not be taken yet.
 
+use super::beneath::{Access, Folder, Kind};
 use std::collections::HashSet;
-use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -26,51 +26,49 @@ pub(crate) fn own_prefix() -> String {
 /// A folder that nothing can be made in.
 pub fn scratch_file() -> io::Result<NamedTempFile> {
     let dir = std::env::temp_dir();
-    clear_once(&dir);
+    clear_once(&dir, &Folder::named(&dir)?);
     let file = tempfile::Builder::new().prefix(&own_prefix()).suffix(END).tempfile_in(dir)?;
     // A file system without locks has the process's number alone.
     let _ = file.as_file().try_lock();
     Ok(file)
 }
 
-/// Removes what lies abandoned in `dir` and what `also` names, and so `depth` levels of folders below it that `enters` lets in.
-pub(crate) fn clear(dir: &Path, depth: usize, enters: fn(&Path) -> bool, also: fn(&str) -> bool) {
+/// Removes what lies abandoned in `folder` and what `also` names, and so `depth` levels of folders below it that `enters` lets in.
+pub(crate) fn clear(folder: &Folder, depth: usize, enters: fn(&Folder) -> bool, also: fn(&str) -> bool) {
     // What cannot be listed or removed is in nobody's way.
-    let Ok(entries) = fs::read_dir(dir) else { return };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            if depth > 0 && enters(&path) {
-                clear(&path, depth - 1, enters, also);
+    for name in folder.list().unwrap_or_default() {
+        if folder.kind(&name).is_ok_and(|kind| kind == Kind::Folder) {
+            let below = (depth > 0).then(|| folder.enter(&name).ok()).flatten().filter(enters);
+            if let Some(below) = below {
+                clear(&below, depth - 1, enters, also);
             }
-        } else if entry.file_name().to_str().is_some_and(|name| also(name) || is_abandoned(&path, name)) {
-            let _ = fs::remove_file(path);
+        } else if name.to_str().is_some_and(|text| also(text) || is_abandoned(folder, text)) {
+            let _ = folder.remove(&name);
         }
     }
 }
 
-/// The same of one folder, the first time that this process is about to write there: listing it again for every file would be quadratic.
-pub(crate) fn clear_once(dir: &Path) {
+/// The same of the folder at `dir`, the first time that this process is about to write there: listing it again for every file would be quadratic.
+pub(crate) fn clear_once(dir: &Path, folder: &Folder) {
     static SEEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
     if seen.get_or_insert_default().insert(dir.to_path_buf()) {
-        clear(dir, 0, |_| false, |_| false);
+        clear(folder, 0, |_| false, |_| false);
     }
 }
 
-fn is_abandoned(path: &Path, name: &str) -> bool {
+fn is_abandoned(folder: &Folder, name: &str) -> bool {
     let Some(rest) = name.strip_prefix(BEGIN).and_then(|rest| rest.strip_suffix(END)) else { return false };
     let process = rest.split_once('-').and_then(|(id, _)| id.parse::<u32>().ok());
     // Only Linux says cheaply who is alive; elsewhere the lock has to do.
     let lives = process.is_some_and(|id| Path::new("/proc").join(id.to_string()).exists());
-    // Nothing but a file is opened: a pipe of that name would wait for a writer.
-    let is_file = || fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());
-    !lives && is_file() && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+    !lives && folder.open(name.as_ref(), Access::Read).is_ok_and(|file| file.try_lock().is_ok())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::{self, File};
 
     #[test]
     fn what_the_dead_left_goes_and_what_the_living_write_stays() {
@@ -84,16 +82,17 @@ mod tests {
         }
         let held = File::open(tmp.path().join(names[2])).unwrap();
         held.try_lock().unwrap();
-        clear_once(tmp.path());
+        let folder = Folder::named(tmp.path()).unwrap();
+        clear_once(tmp.path(), &folder);
         let there = |name: &str| tmp.path().join(name).exists();
         assert!(!there(names[0]) && !there(names[1]));
         assert!(there(names[2]) && there(names[3]) && there(names[4]));
         assert!(there(&alive) || cfg!(not(target_os = "linux")));
         // Once a process.
         drop(held);
-        clear_once(tmp.path());
+        clear_once(tmp.path(), &folder);
         assert!(there(names[2]));
-        clear(tmp.path(), 0, |_| false, |name| name.starts_with(".figure-"));
+        clear(&folder, 0, |_| false, |name| name.starts_with(".figure-"));
         assert!(!there(names[2]) && !there(names[4]) && there(names[3]));
     }
 }

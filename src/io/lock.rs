@@ -3,6 +3,7 @@
 //! A lock is the system's own, on the file [`LOCK`] in the folder: it goes with its process, however that ends. The file says who holds it.
 
 use super::IoError;
+use super::beneath::Folder;
 use super::leftovers::clear;
 use super::result_path::ResultPath;
 use std::fs::{self, File, TryLockError};
@@ -94,7 +95,10 @@ impl FolderLock {
         let text = format!("process {}, since {}\n", std::process::id(), utc(since));
         lock.file.set_len(0).and_then(|()| (&lock.file).write_all(text.as_bytes())).map_err(failed)?;
         // Folders that somebody holds or held are left to their own lock; `.figure-*` is what earlier versions drew into.
-        clear(dir.path(), DEPTH, |path| !path.join(LOCK).exists(), |name| name.starts_with(".figure-"));
+        if let Ok(folder) = dir.entered(false) {
+            let is_free = |below: &Folder| below.kind(LOCK.as_ref()).is_err();
+            clear(&folder, DEPTH, is_free, |name| name.starts_with(".figure-"));
+        }
         Ok(lock)
     }
 
@@ -114,7 +118,7 @@ impl Drop for FolderLock {
             let _ = lock.remove();
         }
         if self.made {
-            let _ = fs::remove_dir(self.dir.path());
+            let _ = self.dir.remove_empty();
         }
     }
 }

@@ -236,6 +236,25 @@ impl ResultPath {
         if_there(removed).map(|_| ())
     }
 
+    /// Takes the folder away with all that is in it, where it is there. Of links the links go.
+    ///
+    /// # Errors
+    /// A link in its place or on the way; what cannot be removed.
+    pub fn remove_all(&self) -> Result<(), IoError> {
+        let Some(folder) = if_there(self.entered(false))? else { return Ok(()) };
+        emptied(&folder).map_err(|source| self.fault(source, true))?;
+        self.remove_empty().map_err(|source| self.fault(source, true))
+    }
+
+    /// Takes an empty folder away.
+    pub(crate) fn remove_empty(&self) -> io::Result<()> {
+        match self.folder(false) {
+            Ok((folder, Some(name))) => folder.remove_folder(name),
+            Ok((_, None)) => fs::remove_dir(&self.path),
+            Err(_) => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+
     /// What is there; none where nothing is, or a link is on the way.
     pub fn kind(&self) -> Option<Kind> {
         if self.is_named() {
@@ -276,6 +295,19 @@ fn if_there<T>(found: Result<T, IoError>) -> Result<Option<T>, IoError> {
         }
         found => found.map(Some),
     }
+}
+
+/// Removes what is in `folder`.
+fn emptied(folder: &Folder) -> io::Result<()> {
+    for name in folder.list()? {
+        if folder.kind(&name)? == Kind::Folder {
+            emptied(&folder.enter(&name)?)?;
+            folder.remove_folder(&name)?;
+        } else {
+            folder.remove(&name)?;
+        }
+    }
+    Ok(())
 }
 
 /// A folder in `folder`, made where it is not there and `make` says so.
@@ -337,6 +369,20 @@ mod tests {
         assert!(named.join("a/folder").list().is_err() && named.join("a/folder/new").remove().is_err());
         assert_eq!(fs::read(&decoy).unwrap(), b"own");
         assert_eq!(fs::read_dir(tmp.path().join("other")).unwrap().count(), 0);
+        // Nor is anything removed through one.
+        fs::create_dir_all(real.join("a/made/deeper")).unwrap();
+        fs::write(real.join("a/made/deeper/file"), "").unwrap();
+        for name in ["made/link", "made/deeper/link"] {
+            symlink(tmp.path().join("other"), real.join("a").join(name)).unwrap();
+        }
+        fs::write(tmp.path().join("other/kept"), "").unwrap();
+        let said = refusal(named.join("a/folder").remove_all());
+        assert!(said.contains("a/folder: a symbolic link, and results"), "{said}");
+        named.join("a/folder/kept").remove_all().unwrap_err();
+        named.join("a/made").remove_all().unwrap();
+        named.join("a/made").remove_all().unwrap();
+        assert!(!real.join("a/made").exists());
+        fs::remove_file(tmp.path().join("other/kept")).unwrap();
         // Of a link itself, the link goes.
         named.join("a/file").remove().unwrap();
         named.join("a/file").remove().unwrap();

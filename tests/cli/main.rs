@@ -28,6 +28,7 @@ mod noise;
 mod noise_against;
 mod noise_log;
 mod odometry;
+mod page;
 mod paper;
 mod pipes;
 mod recording;

@@ -175,6 +175,11 @@ impl Server {
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             while let Ok((stream, _)) = self.listener.accept() {
+                // Whoever says nothing goes for who comes to look.
+                let silent = || self.viewers.iter().position(Viewer::is_shaking);
+                if let Some(oldest) = (self.viewers.len() >= VIEWERS).then(silent).flatten() {
+                    self.viewers.remove(oldest);
+                }
                 let viewer = (self.viewers.len() < VIEWERS).then(|| Viewer::new(stream)).flatten();
                 self.viewers.extend(viewer);
             }
@@ -306,6 +311,11 @@ impl Viewer {
                 .collect();
             self.send(Message::text(json!({ "op": "advertise", "channels": channels }).to_string()));
         }
+    }
+
+    /// Whether it has not said yet what it is.
+    fn is_shaking(&self) -> bool {
+        matches!(self.state, State::Shaking(_))
     }
 
     /// Takes what was asked and hands on what waits; whether it is still there.
@@ -468,8 +478,8 @@ mod tests {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         let mut view = View::on(listener).unwrap();
-        // Nobody, nonsense, another protocol.
-        let _silent = TcpStream::connect(address).unwrap();
+        // Nobody, as often as viewers are let in, nonsense, another protocol.
+        let _silent: Vec<_> = (0..VIEWERS).map(|_| TcpStream::connect(address).unwrap()).collect();
         let mut nonsense = TcpStream::connect(address).unwrap();
         nonsense.write_all(b"GET / HTTP/1.1\r\n\r\n").unwrap();
         let _ = nonsense.read(&mut [0; 64]);
