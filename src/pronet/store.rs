@@ -166,9 +166,13 @@ pub fn to_bytes(
 /// The bytes of a file.
 ///
 /// # Errors
-/// One that cannot be read.
+/// One that cannot be read; a pipe, which would be waited for.
 pub fn read(path: &Path) -> Result<Vec<u8>, StoreError> {
-    std::fs::read(path).map_err(|source| StoreError::Read { path: path.to_owned(), source })
+    let bytes = std::fs::metadata(path).and_then(|meta| match meta.is_file() {
+        true => std::fs::read(path),
+        false => Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file")),
+    });
+    bytes.map_err(|source| StoreError::Read { path: path.to_owned(), source })
 }
 
 /// Description and tensors of a file's bytes; `path` is for messages. Checks container, format, version and checksum.

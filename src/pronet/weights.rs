@@ -233,6 +233,20 @@ mod tests {
     }
 
     #[test]
+    #[cfg(unix)]
+    fn a_pipe_among_the_weights_is_an_error_and_nobody_waits_for_it() {
+        let tmp = tempfile::tempdir().unwrap();
+        let path = tmp.path().join("sg11-s0.safetensors");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let error = crate::network::load_all(tmp.path()).unwrap_err();
+        let causes: Vec<String> =
+            std::iter::successors(Some(&error as &dyn std::error::Error), |e| e.source())
+                .map(ToString::to_string)
+                .collect();
+        assert!(causes.concat().contains("not a regular file"), "{causes:?}");
+    }
+
+    #[test]
     fn a_changed_description_breaks_the_checksum() {
         let good = weights(Sensor::Accel).to_bytes().unwrap();
         // Inside the description quotes are escaped.
