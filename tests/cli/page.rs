@@ -10,7 +10,7 @@ use std::time::Duration;
 #[test]
 fn who_has_the_token_is_heard_with_few_files_among_connections_that_say_nothing() {
     let tmp = tempfile::tempdir().unwrap();
-    let log = sound(tmp.path()).join("mav0/imu0/data.csv");
+    let log = sound(tmp.path()).join("still/mav0/imu0/data.csv");
     std::fs::write(tmp.path().join("index.html"), "the page").unwrap();
     for files in [24, 256] {
         let mut server = Command::new("sh")
