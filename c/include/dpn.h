@@ -68,6 +68,10 @@ typedef struct {
   uint8_t accel_out_of_range;
   // 1 while samples come at a rate more than 5 % off the networks': thin or resample them.
   uint8_t wrong_rate;
+  // 1 where the spectrum of the gyroscope's last minute says another noise, as behind a low pass: its deviations are not known.
+  uint8_t gyro_contradicted;
+  // 1 where the accelerometer's does.
+  uint8_t accel_contradicted;
 } dpn_sigma;
 
 // A level that is learned from residuals.

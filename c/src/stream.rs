@@ -25,6 +25,10 @@ pub struct Sigma {
     pub accel_out_of_range: u8,
     /// 1 while samples come at a rate more than 5 % off the networks': thin or resample them.
     pub wrong_rate: u8,
+    /// 1 where the spectrum of the gyroscope's last minute says another noise, as behind a low pass: its deviations are not known.
+    pub gyro_contradicted: u8,
+    /// 1 where the accelerometer's does.
+    pub accel_contradicted: u8,
 }
 
 /// Makes a stream of two networks, asked every so many samples (10: a camera's frame at 20 Hz).
@@ -91,6 +95,7 @@ pub extern "C" fn dpn_stream_free(stream: StreamHandle) -> Status {
 impl From<StreamSigma> for Sigma {
     fn from(found: StreamSigma) -> Self {
         let [accel_out, gyro_out] = found.out_of_range.map(u8::from);
+        let [accel_against, gyro_against] = found.contradicted.map(u8::from);
         Self {
             gyro: found.noise.of(Sensor::Gyro),
             accel: found.noise.of(Sensor::Accel),
@@ -98,6 +103,8 @@ impl From<StreamSigma> for Sigma {
             gyro_out_of_range: gyro_out,
             accel_out_of_range: accel_out,
             wrong_rate: u8::from(found.wrong_rate),
+            gyro_contradicted: gyro_against,
+            accel_contradicted: accel_against,
         }
     }
 }

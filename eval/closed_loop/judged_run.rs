@@ -176,6 +176,7 @@ pub fn watched_run(
         warnings: warnings(recording, &info, (&frames, images.as_ref()), &output, &health, &axes)
             .into_iter()
             .chain(doubts_warning(&against, axes.warning().is_some()))
+            .chain(dpn_noise::doubts(spec, &recording.imu, &noise))
             .collect(),
         doubts: against,
         axes,

@@ -58,7 +58,8 @@ class Sigma(NamedTuple):
     ``accel`` (3,) [m/s^2] and ``gyro`` (3,) [rad/s]: standard deviations of one sample, x y z. ``known``: False until the
     first full window, the deviations are VINS-Mono's constants then. ``accel_in_range``, ``gyro_in_range``: False where the
     last window was unlike all of the training, the deviations are extrapolated then. ``rate_fits``: False while samples come
-    at a rate more than 5 % off the networks'; nothing is resampled.
+    at a rate more than 5 % off the networks'; nothing is resampled. ``accel_agrees``, ``gyro_agrees``: False where the spectrum
+    of the last half to whole minute says another noise, as behind a low pass: what is said is then not known to be the noise.
     """
 
     accel: NDArray[np.float64]
@@ -67,6 +68,8 @@ class Sigma(NamedTuple):
     accel_in_range: bool
     gyro_in_range: bool
     rate_fits: bool
+    accel_agrees: bool
+    gyro_agrees: bool
 
 
 class Stream:
@@ -108,8 +111,9 @@ class Stream:
 
     def sigma(self) -> Sigma:
         """How noisy the IMU is at the newest sample."""
-        accel, gyro, known, (accel_out, gyro_out), wrong_rate = self._inner.sigma()
-        return Sigma(np.array(accel), np.array(gyro), known, not accel_out, not gyro_out, not wrong_rate)
+        accel, gyro, known, (accel_out, gyro_out), wrong_rate, (accel_against, gyro_against) = self._inner.sigma()
+        ranges = (not accel_out, not gyro_out, not wrong_rate)
+        return Sigma(np.array(accel), np.array(gyro), known, *ranges, not accel_against, not gyro_against)
 
 
 class Correction(NamedTuple):

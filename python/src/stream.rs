@@ -9,8 +9,8 @@ use dpn_pronet::{DualProNet, SampleStream, StreamError};
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Accelerometer, gyroscope; whether they are known, out of range by sensor, and at a wrong rate.
-type Answer = ([f64; 3], [f64; 3], bool, [bool; 2], bool);
+/// Accelerometer, gyroscope; whether they are known, out of range by sensor, at a wrong rate, and contradicted by the spectrum by sensor.
+type Answer = ([f64; 3], [f64; 3], bool, [bool; 2], bool, [bool; 2]);
 
 /// Who is asked.
 enum Asked {
@@ -54,7 +54,14 @@ impl Stream {
             Asked::Any(stream) => return stream.sigma(),
         };
         let of = |sensor| found.noise.of(sensor);
-        (of(Sensor::Accel), of(Sensor::Gyro), found.known, found.out_of_range, found.wrong_rate)
+        (
+            of(Sensor::Accel),
+            of(Sensor::Gyro),
+            found.known,
+            found.out_of_range,
+            found.wrong_rate,
+            found.contradicted,
+        )
     }
 }
 
@@ -71,6 +78,7 @@ struct AtRate {
     noise: ImuNoise,
     judged: Judged,
     out_of_range: [bool; 2],
+    contradicted: [bool; 2],
 }
 
 impl AtRate {
@@ -82,8 +90,12 @@ impl AtRate {
             None => Plan::fitting(rate, every, &networks).map(|(plan, _)| plan),
         };
         let plan = plan.map_err(|e| raise(&e))?;
+        let mut feed = plan.feed().map_err(|e| raise(&e))?;
+        if plan.noise.spec().is_estimate() {
+            feed = feed.watched(rate);
+        }
         Ok(Self {
-            feed: Mutex::new(plan.feed().map_err(|e| raise(&e))?),
+            feed: Mutex::new(feed),
             rate,
             unknown: (plan.unknown_s() * rate.hz()).ceil() as u64,
             came: 0,
@@ -92,6 +104,7 @@ impl AtRate {
             noise: ImuNoise::baseline(),
             judged: Judged::default(),
             out_of_range: [false; 2],
+            contradicted: [false; 2],
         })
     }
 
@@ -114,6 +127,7 @@ impl AtRate {
             *out = if count.windows > 0 { count.outside > 0 } else { *out };
         }
         self.judged = judged;
+        self.contradicted = feed.doubts().map(|doubt| doubt.is_some());
         Ok(())
     }
 
@@ -121,6 +135,7 @@ impl AtRate {
         let of = |sensor| self.noise.of(sensor);
         let share = self.step_s * self.rate.hz();
         let wrong_rate = (share - 1.0).abs() > DualProNet::RATE_TOLERANCE;
-        (of(Sensor::Accel), of(Sensor::Gyro), self.came >= self.unknown.max(1), self.out_of_range, wrong_rate)
+        let known = self.came >= self.unknown.max(1);
+        (of(Sensor::Accel), of(Sensor::Gyro), known, self.out_of_range, wrong_rate, self.contradicted)
     }
 }

@@ -28,6 +28,10 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
     let mut lines =
         ImuLines::new(Path::new("stdin"), CsvOptions { rate: None, ..log::options(&args.how).csv });
     let mut feed = plan.feed()?;
+    if plan.noise.spec().is_estimate() {
+        feed = feed.watched(plan.noise.rate());
+    }
+    let mut doubted = [false; 2];
     let mut before = feed.judged();
     let (mut first, mut last): (Option<Stamp>, Option<Stamp>) = (None, None);
     let mut index = 0usize;
@@ -69,6 +73,12 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
             last = Some(sample.t);
             let start = *first.get_or_insert(sample.t);
             let noise = feed.feed(&sample);
+            for (said, doubt) in doubted.iter_mut().zip(feed.doubts()) {
+                if let Some(doubt) = doubt.filter(|_| !*said) {
+                    errln!("warning: {}", doubt.words(&plan.noise.spec().to_string()));
+                }
+                *said = doubt.is_some();
+            }
             if index == ENOUGH {
                 let found = ENOUGH as f64 / sample.t.seconds_since(start);
                 if (found / rate(&args.how).hz() - 1.0).abs() > DualProNet::RATE_TOLERANCE {

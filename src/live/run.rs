@@ -49,6 +49,8 @@ pub struct LiveRun {
     /// The first samples, until they were weighed.
     to_weigh: Option<Vec<ImuSample>>,
     warnings: VecDeque<String>,
+    /// Whether it was said of a sensor that its spectrum contradicts the noise told.
+    contradicted: [bool; 2],
     /// Those learned last.
     levels: Option<Box<Levels>>,
     doubted: bool,
@@ -87,6 +89,7 @@ impl LiveRun {
             mounting: MountingWatch::default(),
             to_weigh: Some(Vec::new()),
             warnings: VecDeque::new(),
+            contradicted: [false; 2],
             levels: None,
             doubted: false,
         })
@@ -182,7 +185,7 @@ impl LiveRun {
         update
     }
 
-    /// What turned out to be wrong, each once: the accelerometer's unit, and how the camera is said to be mounted, as soon as its turns and the gyro's tell.
+    /// What turned out to be wrong, each once: the accelerometer's unit, noise that the spectrum contradicts, and how the camera is said to be mounted, as soon as its turns and the gyro's tell.
     pub fn take_warning(&mut self) -> Option<String> {
         self.warnings.pop_front()
     }
@@ -247,7 +250,8 @@ impl LiveRun {
     fn settle(&mut self) -> Result<(), LiveError> {
         let first = std::mem::take(&mut self.first);
         let recording = ImuRecording::new(first).expect("samples were held to increase, and there are two");
-        self.noise = Some(noise::live(&self.spec, NAME, recording.rate(), &self.networks)?);
+        let feed = noise::live(&self.spec, NAME, recording.rate(), &self.networks)?;
+        self.noise = Some(if self.spec.is_estimate() { feed.watched(recording.rate()) } else { feed });
         self.networks = Vec::new();
         self.rate = Some(recording.rate());
         recording.samples().iter().try_for_each(|sample| self.told(*sample))
@@ -257,6 +261,11 @@ impl LiveRun {
         let model = self.noise.as_mut().expect("the caller looked");
         let noise = model.feed(&sample);
         noise::check_range(&noise, &self.spec)?;
+        for (said, doubt) in self.contradicted.iter_mut().zip(model.doubts()) {
+            let first = doubt.filter(|_| !*said);
+            *said |= first.is_some();
+            self.warnings.extend(first.map(|doubt| doubt.words(&self.spec.to_string())));
+        }
         self.told = Some(noise);
         Ok(pass_over_spikes(self.estimator.feed_imu(NoisySample { sample, noise }))?)
     }

@@ -1,7 +1,7 @@
 //! From a spec to something that is fed samples one by one.
 
 use super::CausalError;
-use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
+use dpn_core::estimate::{Doubt, NoiseSpec, Schedule, Watch, raised_to_floor};
 use dpn_core::signal::{BlockLength, Blocks};
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor};
 use dpn_pronet::DualProNet;
@@ -101,7 +101,7 @@ impl<'a> Causal<'a> {
         };
         let blocks = Blocks::new(self.block);
         let noise = blocks.of_one_sample(&ImuNoise::baseline());
-        Ok(Feed { model, blocks, length: self.block, noise })
+        Ok(Feed { model, blocks, length: self.block, noise, unknown: noise, watch: None })
     }
 }
 
@@ -130,6 +130,9 @@ pub struct Feed {
     blocks: Blocks,
     length: BlockLength,
     noise: ImuNoise,
+    /// What is said before anything is known.
+    unknown: ImuNoise,
+    watch: Option<(Watch, SampleRate)>,
 }
 
 impl std::fmt::Debug for Feed {
@@ -139,6 +142,28 @@ impl std::fmt::Debug for Feed {
 }
 
 impl Feed {
+    /// Holds what is said against the spectrum of the last half to whole minute of samples at `rate`.
+    #[must_use]
+    pub fn watched(self, rate: SampleRate) -> Self {
+        Self { watch: Watch::new(rate).map(|watch| (watch, rate)), ..self }
+    }
+
+    /// What that spectrum has against what is said, accelerometer and gyroscope; nothing of a feed that is not [watched](Self::watched).
+    pub fn doubts(&self) -> [Option<Doubt>; 2] {
+        self.watch.as_ref().map_or([None; 2], |(watch, _)| watch.doubts())
+    }
+
+    fn say(&mut self, sample: &ImuSample) {
+        match &mut self.model {
+            Model::Simple(model) => self.noise = model.feed(sample),
+            Model::Networks(model) => {
+                if let Some(mean) = self.blocks.feed(sample) {
+                    self.noise = raised_to_floor(&self.blocks.of_one_sample(&model.feed(&mean)));
+                }
+            }
+        }
+    }
+
     /// Windows judged so far, and those unlike every window of the training.
     pub fn judged(&self) -> Judged {
         match &self.model {
@@ -159,13 +184,9 @@ impl NoiseModel for Feed {
     }
 
     fn feed(&mut self, sample: &ImuSample) -> ImuNoise {
-        match &mut self.model {
-            Model::Simple(model) => self.noise = model.feed(sample),
-            Model::Networks(model) => {
-                if let Some(mean) = self.blocks.feed(sample) {
-                    self.noise = raised_to_floor(&self.blocks.of_one_sample(&model.feed(&mean)));
-                }
-            }
+        self.say(sample);
+        if let Some((watch, _)) = &mut self.watch {
+            watch.feed(sample, (self.noise != self.unknown).then_some(&self.noise));
         }
         self.noise
     }
@@ -176,7 +197,8 @@ impl NoiseModel for Feed {
             Model::Networks(model) => model.reset(),
         }
         self.blocks = Blocks::new(self.length);
-        self.noise = self.blocks.of_one_sample(&ImuNoise::baseline());
+        self.noise = self.unknown;
+        self.watch = self.watch.take().and_then(|(_, rate)| Some((Watch::new(rate)?, rate)));
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! * [`Causal`]: a spec that needs the samples so far alone, resolved for samples of one rate; its [`Feed`] says the noise sample by sample.
 //! * [`track`](track()): any spec on a whole recording. What is dear to make comes from [`Sources`], which may keep it.
+//! * [`doubts`], [`Feed::doubts`]: what the spectrum has against what is said.
 //! * [`shuffled`], [`MeanSquare`]: the controls' arithmetic.
 //! * [`content`](content()): what a spec is a function of, with checksums in place of paths.
 //!
@@ -19,7 +20,7 @@ pub use causal::{Causal, Feed, Judged};
 pub use content::content;
 pub use controls::{BLOCK_S, MeanSquare, shuffled};
 pub use error::{CausalError, NoiseError};
-pub use track::{AfterRun, Fresh, Recorded, Sources, check_range, live, of_recording, track};
+pub use track::{AfterRun, Fresh, Recorded, Sources, check_range, doubts, live, of_recording, track};
 
 /// The README's code is a test.
 #[cfg(doctest)]

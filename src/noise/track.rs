@@ -3,7 +3,7 @@
 use super::controls::{MeanSquare, shuffled};
 use super::error::{LEAST, MOST};
 use super::{Causal, CausalError, Feed, NoiseError};
-use dpn_core::estimate::{NoiseSpec, Schedule};
+use dpn_core::estimate::{NoiseSpec, Schedule, Watch};
 use dpn_core::random::Stream;
 use dpn_core::time::median_step_s;
 use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, SampleRate, Sensor};
@@ -188,6 +188,20 @@ pub fn live(
         causal.feed(window, (hop as f64 * slower).round().max(1.0) as usize)
     });
     feed.map_err(|source| NoiseError::Causal { recording: name.to_owned(), source })
+}
+
+/// Seconds at the begin in which no estimator has a full window.
+const UNKNOWN_S: f64 = 1.5;
+
+/// What the spectrum of a recording has against the noise that `spec`, an estimate of a second at a time, said along it: words for people, of what nothing else tells the
+/// odometry. Nothing of constants, files and what is learned.
+pub fn doubts(spec: &NoiseSpec, imu: &ImuRecording, said: &NoiseTrack) -> Vec<String> {
+    let Some(mut watch) = Watch::whole(imu.rate()).filter(|_| spec.is_estimate()) else { return Vec::new() };
+    let start = imu.samples()[0].t;
+    for (sample, noise) in imu.samples().iter().zip(said.noises()) {
+        watch.feed(sample, (sample.t.seconds_since(start) > UNKNOWN_S).then_some(noise));
+    }
+    watch.at_end().iter().flatten().map(|doubt| doubt.words(&spec.to_string())).collect()
 }
 
 /// The track of a spec that is no control; causal, but for `file` and `oracle`, which are as given.

@@ -2,6 +2,7 @@
 //! extrapolated, whether samples come at the networks' rate. What C and Python call a stream.
 
 use crate::model::DualProNet;
+use dpn_core::estimate::Watch;
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor, Stamp};
 use thiserror::Error;
 
@@ -41,6 +42,9 @@ pub struct StreamSigma {
     pub spread: [Option<[f64; 3]>; 2],
     /// Whether samples come at a rate more than 5 % off the networks'; nothing is resampled.
     pub wrong_rate: bool,
+    /// Whether the spectrum of the last half to whole minute says another noise, accelerometer and gyroscope, as behind a low pass
+    /// ([`Doubt`](dpn_core::estimate::Doubt)).
+    pub contradicted: [bool; 2],
 }
 
 /// Running samples looked at one by one: what no network can take, and whether they come at the rate it was trained for.
@@ -102,17 +106,20 @@ pub struct SampleStream {
     /// Windows judged so far and those out of range, accelerometer and gyroscope.
     judged: [(u64, u64); 2],
     out_of_range: [bool; 2],
+    watch: Option<Watch>,
 }
 
 impl SampleStream {
     /// Of networks that have seen nothing.
     pub fn new(networks: DualProNet) -> Self {
+        let watch = Watch::new(networks.trained_rate());
         Self {
             gate: Gate::new(networks.trained_rate()),
             networks,
             noise: ImuNoise::baseline(),
             judged: [(0, 0); 2],
             out_of_range: [false; 2],
+            watch,
         }
     }
 
@@ -123,6 +130,10 @@ impl SampleStream {
     pub fn feed(&mut self, sample: ImuSample) -> Result<(), StreamError> {
         self.gate.take(&sample)?;
         self.noise = self.networks.feed(&sample);
+        let known = self.is_known();
+        if let Some(watch) = &mut self.watch {
+            watch.feed(&sample, known.then_some(&self.noise));
+        }
         for (k, sensor) in Sensor::ALL.into_iter().enumerate() {
             let count = self.networks.range_count(sensor);
             let (windows, outside) = self.judged[k];
@@ -138,11 +149,19 @@ impl SampleStream {
     pub fn sigma(&self) -> StreamSigma {
         StreamSigma {
             noise: self.noise,
-            known: Sensor::ALL.iter().all(|sensor| self.networks.has_answered(*sensor)),
+            known: self.is_known(),
             out_of_range: self.out_of_range,
             spread: Sensor::ALL.map(|sensor| self.networks.spread(sensor)),
             wrong_rate: self.gate.wrong_rate(),
+            contradicted: self
+                .watch
+                .as_ref()
+                .map_or([false; 2], |watch| watch.doubts().map(|doubt| doubt.is_some())),
         }
+    }
+
+    fn is_known(&self) -> bool {
+        Sensor::ALL.iter().all(|sensor| self.networks.has_answered(*sensor))
     }
 }
 

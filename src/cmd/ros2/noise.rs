@@ -64,6 +64,9 @@ pub(super) fn run(mut args: Ros2NoiseArgs) -> Result<()> {
     };
     let plan = plan_of(spec.as_ref(), rate, EVERY, &networks)?;
     let mut feed = plan.feed()?;
+    if plan.noise.spec().is_estimate() {
+        feed = feed.watched(rate);
+    }
     let unknown = (plan.unknown_s() * rate.hz()).ceil() as u64;
     errln!("noise by {} at {:.1} Hz, known after {:.1} s", feed.name(), rate.hz(), plan.unknown_s());
     let mut fed = 0;
@@ -85,7 +88,10 @@ pub(super) fn run(mut args: Ros2NoiseArgs) -> Result<()> {
             told.words = match (told.noise, [Sensor::Accel, Sensor::Gyro].into_iter().any(outside)) {
                 (None, _) => "the first window is not full yet".to_owned(),
                 (Some(_), true) => "most windows are unlike all that the networks were trained on".to_owned(),
-                (Some(_), false) => String::new(),
+                (Some(_), false) => {
+                    let against = feed.doubts().into_iter().flatten();
+                    against.map(|doubt| doubt.words(feed.name())).collect::<Vec<_>>().join("; ")
+                }
             };
             session.diagnose(told.status());
         }

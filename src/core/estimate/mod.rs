@@ -17,17 +17,20 @@
 //!
 //! * [`WindowSigma`]: an estimator asked for a window; the moving variances are asked after every sample too.
 //! * `windowed`: estimators on six axes as a [`NoiseModel`](crate::noise::NoiseModel).
+//! * [`Seen`], [`Watch`]: what the spectrum of many seconds says against an estimate that looks at one.
 //! * [`spec`]: the strings that name all of them.
 
 mod allan;
 mod axis;
 mod differences;
 mod effective;
+mod fall;
 mod mad2;
 mod moving;
 mod quadratic;
 mod savgol;
 pub mod spec;
+mod watch;
 mod wavelet;
 mod window_sigma;
 mod windowed;
@@ -39,9 +42,11 @@ pub(crate) use allan::allan;
 pub(crate) use axis::{Answer, AxisSigma, EachSample, Given, HopWindow, Reading};
 pub(crate) use differences::differences;
 pub use effective::{Effective, EffectiveStream, MOTION_HZ};
+pub use fall::{Fall, LowPassSight, Seen};
 pub(crate) use mad2::Mad2;
 pub(crate) use savgol::sg_residual;
 pub use spec::{DEFAULT_TAG, FLIGHT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};
+pub use watch::{Doubt, Watch, two};
 pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};
 pub(crate) use windowed::Windowed;

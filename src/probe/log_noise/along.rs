@@ -71,8 +71,8 @@ impl Along {
         }));
         // What was given is no estimate.
         if !plan.noise.spec().is_constant() {
-            let behind = effective.as_ref().map_or(&[][..], |effective| &effective.behind);
-            warnings.extend(report::behind(plan, &summary, behind, recording.rate()));
+            let seen = effective.iter().map(|effective| &effective.seen);
+            warnings.extend(seen.flat_map(|seen| report::in_motion(plan, &summary, seen, recording.rate())));
             let at_rest =
                 rest.iter().flat_map(|rest| report::at_rest(plan, &summary, rest, recording.rate()));
             warnings.extend(at_rest);

@@ -3,13 +3,13 @@
 //! A configuration asks for one white noise; what sums of samples err by depends on the spectrum and the span
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
-use super::fall::{self, Fall, Seen};
+use super::seen::seen;
 use crate::allan::report::PASTED;
 use crate::doctor::values::steps_of;
 use crate::paste::{FigureLine, Paste};
 use crate::phases::{Phase, Stretch, phase_at};
 use crate::rest_noise::{LowPass, RestNoise, Shape};
-use dpn_core::estimate::{Effective, EffectiveStream, MOTION_HZ};
+use dpn_core::estimate::{Effective, EffectiveStream, Fall, MOTION_HZ, Seen};
 use dpn_core::noise::{Figure, Interval};
 use dpn_core::signal::stats::median;
 use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
@@ -62,6 +62,9 @@ pub struct EffectiveNoise {
     pub pasted: Vec<Written>,
     /// Sensors whose spectrum in motion falls as behind a low pass that no rest has shown.
     pub behind: Vec<Behind>,
+    /// Accelerometer, gyroscope: what the spectrum in motion says of a low pass that no rest has shown.
+    #[serde(skip)]
+    pub seen: [Seen; 2],
     /// Accelerometer, gyroscope: whether a low pass hides by how much the sensor's own noise grows in motion.
     pub growth_hidden: [bool; 2],
     /// The figures over .1 s as densities, where each comes from, or why it is not known.
@@ -89,14 +92,6 @@ impl Behind {
         let corner_hz = (fall.low_pass.order() > 0).then_some(fall.corner_hz);
         let Fall { low_pass, between, density, .. } = *fall;
         Self { sensor, low_pass, corner_hz, between, is_known: density.is_some() }
-    }
-
-    /// The filter, for people; its corner where the filters that fit agree.
-    pub fn words(&self) -> String {
-        match self.corner_hz.filter(|_| self.is_known) {
-            Some(corner_hz) => format!("a low pass ({}, about {corner_hz:.0} Hz)", self.low_pass),
-            None => "a low pass".to_owned(),
-        }
     }
 }
 
@@ -187,16 +182,16 @@ impl EffectiveNoise {
         }
         let steps = steps_of(recording)?;
         let mut behind: Vec<Behind> = Vec::new();
+        let mut all_seen = [Seen::Untold; 2];
         let mut lines = Vec::new();
         for (i, sensor) in Sensor::ALL.into_iter().enumerate() {
             let known = (0..3).any(|axis| shape(sensor, axis).is_some());
-            let seen = match phase {
-                Some(_) if !known => fall::fall(recording, sensor, steps[i], whole.clone(), second, &counts)?,
-                _ => Seen::Untold,
-            };
-            let (fall, [less, more]) = match seen {
+            if phase.is_some() && !known {
+                all_seen[i] = seen(recording, sensor, steps[i], whole.clone(), second, &counts)?;
+            }
+            let (fall, [less, more]) = match all_seen[i] {
                 Seen::Falls(fall) => (Some(fall), [1.0; 2]),
-                Seen::Flat(apart) => (None, apart),
+                Seen::Flat { apart, .. } => (None, apart),
                 Seen::Untold => (None, [1.0; 2]),
             };
             let wider = |axis: Interval| Interval { low: less * axis.low, high: more * axis.high, ..axis };
@@ -221,7 +216,7 @@ impl EffectiveNoise {
         }
         let paste = Paste { rate_hz: rate, lines };
         let pasted = paste.written(&PASTED);
-        Ok(Some(Self { phase, spans, pasted, behind, growth_hidden, paste }))
+        Ok(Some(Self { phase, spans, pasted, behind, seen: all_seen, growth_hidden, paste }))
     }
 
     /// For people: the figures to paste, with the lines of `formats`.
@@ -233,7 +228,7 @@ impl EffectiveNoise {
 
 /// That a rate is too slow to tell noise from motion, and where enough of it is above motion to see a low pass, a bound.
 fn too_slow(sensor: Sensor, rate: SampleRate, most: f64) -> FigureLine {
-    let most = if fall::tells(rate) { format!("at most {most:.1e}: ") } else { String::new() };
+    let most = if Seen::tells(rate) { format!("at most {most:.1e}: ") } else { String::new() };
     let why = format!(
         "{most}{:.0} Hz do not tell noise from motion; 30 s at rest do, or a trajectory (--against)",
         rate.hz()
@@ -249,8 +244,7 @@ fn line(
 ) -> Option<FigureLine> {
     let figure = Figure::white(sensor);
     if let Some(fall) = fall {
-        let behind = Behind::of(sensor, fall);
-        let low_pass = behind.words();
+        let low_pass = fall.words();
         if let Some(density) = fall.density {
             return Some(FigureLine::known(
                 figure,
@@ -258,7 +252,7 @@ fn line(
                 format!("in motion, by the shape of {low_pass}"),
             ));
         }
-        let [low, high] = behind.between;
+        let [low, high] = fall.between;
         return Some(FigureLine::unknown(
             figure,
             format!(

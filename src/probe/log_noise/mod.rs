@@ -14,12 +14,12 @@ mod along;
 pub mod compare;
 mod effective;
 mod error;
-mod fall;
 mod levels;
 #[cfg(test)]
 mod mix_ups;
 mod plan;
 pub mod report;
+mod seen;
 mod summary;
 pub mod table;
 mod track;

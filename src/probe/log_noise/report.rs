@@ -1,10 +1,10 @@
 //! What a track says, as a page for people.
 
-use super::effective::Behind;
 use super::{Plan, TrackSummary};
 use crate::phases::Phase;
 use crate::rest_noise::RestNoise;
 use crate::text::{aligned, instrument, listed};
+use dpn_core::estimate::{Doubt, Seen, two};
 use dpn_core::{SampleRate, Sensor};
 use std::fmt::Write;
 
@@ -13,9 +13,6 @@ const LOUD: f64 = 0.1;
 
 /// Share from which a median is one of what was extrapolated.
 const MOST_OF: f64 = 0.5;
-
-/// A track within this factor of an interval agrees with it.
-const AGREES: f64 = 1.15;
 
 /// A track that is further than this factor from the spectrum at rest says another noise.
 const APART: f64 = 1.5;
@@ -44,33 +41,28 @@ pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     all
 }
 
-/// Tracks of sensors behind a low pass, which nothing that looks at one second sees through; those that lie where the filter's shape says are not named.
-pub(super) fn behind(
+/// Tracks that the spectrum in motion contradicts, accelerometer's and gyroscope's.
+pub(super) fn in_motion(
     plan: &Plan<'_>,
     summary: &TrackSummary,
-    behind: &[Behind],
+    seen: &[Seen; 2],
     rate: SampleRate,
 ) -> Vec<String> {
-    let words = |behind: &Behind| {
-        let part = [Phase::Moving, Phase::Motors].into_iter().find_map(|phase| summary.phase(phase))?;
-        let loudest = part.of(behind.sensor).map(|axis| axis.sigma.middle).fold(0.0, f64::max);
-        let [low, high] = behind.between.map(|density| density * rate.hz().sqrt());
-        if behind.is_known && (low / AGREES..high * AGREES).contains(&loudest) {
+    let Some(part) = [Phase::Moving, Phase::Motors].into_iter().find_map(|phase| summary.phase(phase)) else {
+        return Vec::new();
+    };
+    let words = |(sensor, seen): (Sensor, &Seen)| {
+        let mut axes = part.of(sensor).map(|axis| axis.sigma.middle);
+        let said = [axes.next()?, axes.next()?, axes.next()?];
+        // What is extrapolated anyway is contradicted by a filter alone.
+        if matches!(seen, Seen::Flat { .. })
+            && part.outside.iter().any(|o| o.sensor == sensor && o.share > MOST_OF)
+        {
             return None;
         }
-        Some(format!(
-            "NOT KNOWN: in motion the {}'s spectrum falls as behind {}, which no second of it tells: {} says {} {} a sample, and the noise is between {} and {}; \
-             add ten seconds at rest to the log, or run the odometry (dpn run --noise self)",
-            behind.sensor,
-            behind.words(),
-            plan.noise.spec(),
-            two(loudest),
-            behind.sensor.unit(),
-            two(low),
-            two(high)
-        ))
+        Some(Doubt::of(sensor, said, seen, rate)?.words(&plan.noise.spec().to_string()))
     };
-    behind.iter().filter_map(words).collect()
+    Sensor::ALL.into_iter().zip(seen).filter_map(words).collect()
 }
 
 /// Tracks that say another noise at rest than the spectrum does, which sees more than a second at a time. Where the log moves later its rest may be not quite still, so that less
@@ -190,11 +182,4 @@ pub fn outside(summary: &TrackSummary) -> Vec<String> {
         (!spans.is_empty()).then(|| format!("{sensor} out of range: s {}", listed(&spans)))
     };
     Sensor::ALL.into_iter().filter_map(of).collect()
-}
-
-/// Two significant digits, plain where that is short.
-pub(super) fn two(value: f64) -> String {
-    let text = format!("{value:.1e}");
-    let rounded: f64 = text.parse().expect("a number as Rust writes it is one that Rust reads");
-    if (1e-3..1e4).contains(&rounded.abs()) || rounded == 0.0 { rounded.to_string() } else { text }
 }

@@ -1,9 +1,9 @@
 //! The density of the white noise of one axis at rest, over all low passes that it may lie behind.
 
 use super::fit::{Fit, fit};
-use super::response::LowPass;
 use dpn_core::SampleRate;
 use dpn_core::noise::Interval;
+use dpn_core::signal::LowPass;
 use dpn_core::signal::periodogram::Periodogram;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -4,8 +4,8 @@
 //! to steps is. Logarithms of the four and of the filter's corner and quality are found by Fisher scoring (Levenberg's damping), each start's amplitudes by
 //! multiplicative steps before. The negative logarithm of the likelihood is `sum weight (ln S + P / S)`; the inverse of its information is the covariance.
 
-use super::response::LowPass;
 use dpn_core::SampleRate;
+use dpn_core::signal::LowPass;
 use dpn_core::signal::periodogram::Periodogram;
 use nalgebra::{Cholesky, SMatrix, SVector};
 

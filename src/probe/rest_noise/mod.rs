@@ -7,11 +7,10 @@
 mod density;
 mod fit;
 mod report;
-mod response;
 pub(crate) mod stretch;
 
 pub use density::{AxisNoise, Filter};
-pub use response::{LowPass, Made};
+pub use dpn_core::signal::{LowPass, Made};
 pub use stretch::Held;
 
 use crate::doctor::values::step;

@@ -109,6 +109,11 @@ impl NoiseSpec {
         matches!(self, Self::Sensors(pair) if pair.is_constant())
     }
 
+    /// Whether it is an estimate from the last second or so of samples, as networks and simple estimators make it, and no constant.
+    pub fn is_estimate(&self) -> bool {
+        matches!(self, Self::Sensors(_) | Self::DualProNet { .. }) && !self.is_constant()
+    }
+
     fn from_call(call: &Call) -> Result<Self, SpecError> {
         let wrong = |problem: &str, usage: &'static str| SpecError::Arguments {
             call: call.to_string(),

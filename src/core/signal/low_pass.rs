@@ -1,6 +1,6 @@
 //! What a sensor's low pass makes of white noise: the kinds that IMUs and their drivers have.
 
-use dpn_core::SampleRate;
+use crate::time::SampleRate;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
@@ -42,7 +42,7 @@ pub enum LowPass {
 
 impl LowPass {
     /// All that are tried, with how much is bet on each before a log is seen.
-    pub(crate) fn candidates() -> Vec<(Self, f64)> {
+    pub fn candidates() -> Vec<(Self, f64)> {
         let mut all = vec![(Self::None, 0.4)];
         for made in [Made::Analog, Made::Bilinear, Made::Exponential] {
             all.push((Self::FirstOrder { made }, 0.07));
@@ -64,7 +64,7 @@ impl LowPass {
     }
 
     /// The highest corner that a log of this rate shows anything of \[Hz\].
-    pub(crate) fn highest_corner(self, rate: SampleRate) -> f64 {
+    pub fn highest_corner(self, rate: SampleRate) -> f64 {
         let bilinear = matches!(
             self,
             Self::FirstOrder { made: Made::Bilinear } | Self::SecondOrder { made: Made::Bilinear }

@@ -4,14 +4,11 @@
 //! shakes one of them is worth little in that sum. All filters that do about as well as the best say together what the density `A` below the corner lies between; where no filter
 //! at all is among them, the log is taken to be without. Below, no noise is louder than what is seen there, motion and all: a filter that says so is none of them.
 
-use crate::rest_noise::{LowPass, Made};
-use dpn_core::estimate::MOTION_HZ;
-use dpn_core::noise::Interval;
-use dpn_core::signal::stats::{median, quantile};
-use dpn_core::signal::{Spectrum, Welch};
-use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
-use std::io;
-use std::ops::Range;
+use super::MOTION_HZ;
+use crate::noise::Interval;
+use crate::signal::stats::{median, quantile};
+use crate::signal::{LowPass, Made};
+use crate::time::SampleRate;
 
 /// Between these \[Hz\] the density is with motion in it, so that no noise is louder.
 const SLOW: [f64; 2] = [4.0, 10.0];
@@ -45,58 +42,51 @@ const LEFT: f64 = 0.2;
 
 /// What falls as behind a low pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Fall {
-    /// The filter that fits best, and its corner \[Hz\].
-    pub(super) low_pass: LowPass,
-    pub(super) corner_hz: f64,
+pub struct Fall {
+    /// The filter that fits best.
+    pub low_pass: LowPass,
+    /// Its corner \[Hz\]; none of a moving mean.
+    pub corner_hz: f64,
     /// What the density of the loudest axis lies between \[unit / sqrt(Hz)\].
-    pub(super) between: [f64; 2],
+    pub between: [f64; 2],
     /// The density of each axis, where filters that fit agree on it.
-    pub(super) density: Option<[Interval; 3]>,
+    pub density: Option<[Interval; 3]>,
 }
 
-/// Whether a log of `rate` has enough above motion to see a low pass by.
-pub(super) fn tells(rate: SampleRate) -> bool {
-    bands(rate, 1.0).is_some()
+impl Fall {
+    /// The filter, for people; its corner where the filters that fit agree.
+    pub fn words(&self) -> String {
+        match self.density {
+            Some(_) if self.low_pass.order() > 0 => {
+                format!("a low pass ({}, about {:.0} Hz)", self.low_pass, self.corner_hz)
+            }
+            Some(_) => format!("a low pass ({})", self.low_pass),
+            None => "a low pass".to_owned(),
+        }
+    }
 }
 
 /// What a spectrum above motion says of a low pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Seen {
+pub enum Seen {
     /// It falls as behind one.
     Falls(Fall),
-    /// It does not, but filters with a corner far up fit as well: a density may be so much smaller and larger than what is seen, factors.
-    Flat([f64; 2]),
+    /// It does not, but filters with a corner far up fit as well.
+    Flat {
+        /// The density of each axis \[unit / sqrt(Hz)\], where it is even enough to be noise.
+        density: Option<[f64; 3]>,
+        /// By which factors a density may be smaller and larger than what is seen.
+        apart: [f64; 2],
+    },
     /// It is too narrow to tell, or shaken as no filter does.
     Untold,
 }
 
-/// Of a sensor whose converter counts in `steps`, over the seconds that count.
-pub(super) fn fall(
-    recording: &dyn Recorded,
-    sensor: Sensor,
-    steps: [Option<f64>; 3],
-    range: Range<usize>,
-    second: usize,
-    counts: &dyn Fn(&[ImuSample]) -> bool,
-) -> io::Result<Seen> {
-    let rate = recording.rate();
-    let Ok(welch) = Welch::new(second) else { return Ok(Seen::Untold) };
-    let mut axes = [(); 3].map(|()| welch.averaging());
-    let mut signal = Vec::with_capacity(second);
-    let mut seconds = 0;
-    recording.pieces(range, second, &mut |second| {
-        seconds += usize::from(counts(second));
-        for (axis, averaging) in axes.iter_mut().enumerate().filter(|_| counts(second)) {
-            signal.clear();
-            signal.extend(second.iter().map(|s| s.of(sensor)[axis]));
-            averaging.take(&signal);
-        }
-        Ok(())
-    })?;
-    let spectra: Vec<Spectrum> = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate)).collect();
-    let rounding = steps.map(|step| step.map_or(0.0, |step| step * step / 6.0 / rate.hz()));
-    Ok(of_spectra(&spectra, rounding, seconds, rate).unwrap_or(Seen::Untold))
+impl Seen {
+    /// Whether a log of `rate` has enough above motion to see a low pass by.
+    pub fn tells(rate: SampleRate) -> bool {
+        bands(rate, 1.0).is_some()
+    }
 }
 
 /// The bands above motion of a log of `rate` \[Hz\]; none where there are too few.
@@ -116,6 +106,7 @@ fn bands(rate: SampleRate, bin_hz: f64) -> Option<Vec<[f64; 2]>> {
 }
 
 /// One filter, and the logarithm of what it lets through in each band.
+#[derive(Debug)]
 struct Candidate {
     low_pass: LowPass,
     corner_hz: f64,
@@ -188,80 +179,115 @@ impl Levels {
     }
 }
 
-/// Of one spectrum an axis, means over so many `seconds`, in which rounding has the densities `rounding`.
-fn of_spectra(spectra: &[Spectrum], rounding: [f64; 3], seconds: usize, rate: SampleRate) -> Option<Seen> {
-    let bin = spectra.first()?.bin_hz();
-    let bands = bands(rate, bin).filter(|_| spectra.len() == 3)?;
-    let axes: Vec<Levels> = spectra
-        .iter()
-        .zip(rounding)
-        .map(|(spectrum, rounding)| {
-            let inside = |[low, high]: [f64; 2]| -> Vec<f64> {
-                let at = spectrum.density().iter().enumerate().skip(1);
-                at.filter(|(k, _)| (low..high).contains(&(*k as f64 * bin)))
-                    .map(|(_, density)| *density)
-                    .collect()
-            };
-            let level = |band: &[f64; 2]| {
-                let density = inside(*band);
-                let seen = median(&density).max(f64::MIN_POSITIVE);
-                // Neighbouring bins of a Hann window are not independent, and a median knows less than a mean.
-                let chance = 1.25 / (seconds as f64 * density.len() as f64 / 1.5).sqrt();
-                let left = (seen - rounding).max(LEFT * seen);
-                (left.ln(), chance.hypot(COLOUR) + rounding.min(seen) / left * 0.3)
-            };
-            Levels { levels: bands.iter().map(level).collect(), slow: quantile(&inside(SLOW), LEVEL).ln() }
-        })
-        .collect();
-    let candidates = candidates(&bands, rate);
-    let fits: Vec<(Vec<f64>, f64)> = candidates
-        .iter()
-        .map(|candidate| {
-            let (density, cost): (Vec<f64>, Vec<f64>) = axes.iter().map(|axis| axis.fit(candidate)).unzip();
-            (density, cost.iter().sum::<f64>() + candidate.bet)
-        })
-        .collect();
-    let (best, (_, least)) = fits.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-    let misfit = (least / (3 * bands.len() - 5) as f64).max(1.0);
-    let none = candidates.iter().position(|candidate| candidate.low_pass == LowPass::None)?;
-    let plain = || {
-        let mut ends = axes.iter().filter_map(|axis| Some((axis.levels.first()?.0, axis.levels.last()?.0)));
-        ends.all(|(low, high)| low - high > PLAIN.ln())
-    };
-    if misfit > MISFIT && !plain() {
-        return None;
+/// Looks for low passes in spectra of one rate.
+#[derive(Debug)]
+pub struct LowPassSight {
+    second: usize,
+    bin_hz: f64,
+    bands: Vec<[f64; 2]>,
+    candidates: Vec<Candidate>,
+}
+
+impl LowPassSight {
+    /// Of spectra over `second` samples that come at `rate`; none where too little of them is above motion.
+    pub fn new(rate: SampleRate, second: usize) -> Option<Self> {
+        let bin_hz = rate.hz() / second as f64;
+        let bands = bands(rate, bin_hz)?;
+        let candidates = candidates(&bands, rate);
+        Some(Self { second, bin_hz, bands, candidates })
     }
-    let alike = || fits.iter().filter(|(_, cost)| cost - least < SAME * misfit).map(|(density, _)| density);
-    if fits[none].1 - least < FALLS * misfit {
-        let flat = &fits[none].0;
-        let apart =
-            alike().flat_map(|fit| fit.iter().zip(flat).map(|(density, flat)| 0.5 * (density - flat)));
-        let (low, high) = apart.fold((0.0, 0.0), |(low, high): (f64, f64), by| (low.min(by), high.max(by)));
-        return Some(Seen::Flat([low.exp() / OWN, high.exp() * OWN]));
+
+    /// Samples a spectrum.
+    pub fn second(&self) -> usize {
+        self.second
     }
-    let one_sided = |density: f64| (0.5 * density).sqrt();
-    let of_axis = |axis: usize| {
-        let [low, high] = [f64::min, f64::max].map(|pick| alike().map(|fit| fit[axis]).reduce(pick));
-        let (low, high) = (low?.exp(), high?.exp());
-        let value = fits[best].0[axis].exp();
-        Some(Interval { value: one_sided(value), low: one_sided(low) / OWN, high: one_sided(high) * OWN })
-    };
-    let density = [of_axis(0)?, of_axis(1)?, of_axis(2)?];
-    // A bound has no more digits than these.
-    let short = |density: f64| format!("{density:.2e}").parse().expect("Rust reads its own numbers");
-    let loudest = |end: fn(&Interval) -> f64| short(density.iter().map(end).fold(0.0, f64::max));
-    let known = misfit < MISFIT && density.iter().all(|axis| axis.width() < Interval::WIDEST);
-    let Candidate { low_pass, corner_hz, .. } = candidates[best];
-    let between = [loudest(|axis| axis.low), loudest(|axis| axis.high)];
-    Some(Seen::Falls(Fall { low_pass, corner_hz, between, density: known.then_some(density) }))
+
+    /// What the densities of three axes, one-sided means over so many `seconds`, say, in which rounding has the densities `rounding`.
+    pub fn seen(&self, spectra: [&[f64]; 3], rounding: [f64; 3], seconds: usize) -> Seen {
+        self.told(spectra, rounding, seconds).unwrap_or(Seen::Untold)
+    }
+
+    fn told(&self, spectra: [&[f64]; 3], rounding: [f64; 3], seconds: usize) -> Option<Seen> {
+        let Self { bin_hz: bin, bands, candidates, .. } = self;
+        let axes: Vec<Levels> = spectra
+            .iter()
+            .zip(rounding)
+            .map(|(spectrum, rounding)| {
+                let inside = |[low, high]: [f64; 2]| -> Vec<f64> {
+                    let at = spectrum.iter().enumerate().skip(1);
+                    at.filter(|(k, _)| (low..high).contains(&(*k as f64 * bin)))
+                        .map(|(_, density)| *density)
+                        .collect()
+                };
+                let level = |band: &[f64; 2]| {
+                    let density = inside(*band);
+                    let seen = median(&density).max(f64::MIN_POSITIVE);
+                    // Neighbouring bins of a Hann window are not independent, and a median knows less than a mean.
+                    let chance = 1.25 / (seconds as f64 * density.len() as f64 / 1.5).sqrt();
+                    let left = (seen - rounding).max(LEFT * seen);
+                    (left.ln(), chance.hypot(COLOUR) + rounding.min(seen) / left * 0.3)
+                };
+                Levels {
+                    levels: bands.iter().map(level).collect(),
+                    slow: quantile(&inside(SLOW), LEVEL).ln(),
+                }
+            })
+            .collect();
+        let fits: Vec<(Vec<f64>, f64)> = candidates
+            .iter()
+            .map(|candidate| {
+                let (density, cost): (Vec<f64>, Vec<f64>) =
+                    axes.iter().map(|axis| axis.fit(candidate)).unzip();
+                (density, cost.iter().sum::<f64>() + candidate.bet)
+            })
+            .collect();
+        let (best, (_, least)) = fits.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let misfit = (least / (3 * bands.len() - 5) as f64).max(1.0);
+        let none = candidates.iter().position(|candidate| candidate.low_pass == LowPass::None)?;
+        let plain = || {
+            let mut ends =
+                axes.iter().filter_map(|axis| Some((axis.levels.first()?.0, axis.levels.last()?.0)));
+            ends.all(|(low, high)| low - high > PLAIN.ln())
+        };
+        if misfit > MISFIT && !plain() {
+            return None;
+        }
+        let alike =
+            || fits.iter().filter(|(_, cost)| cost - least < SAME * misfit).map(|(density, _)| density);
+        if fits[none].1 - least < FALLS * misfit {
+            let flat = &fits[none].0;
+            let apart =
+                alike().flat_map(|fit| fit.iter().zip(flat).map(|(density, flat)| 0.5 * (density - flat)));
+            let (low, high) =
+                apart.fold((0.0, 0.0), |(low, high): (f64, f64), by| (low.min(by), high.max(by)));
+            let density =
+                (misfit < MISFIT).then(|| std::array::from_fn(|axis| (0.5 * flat[axis].exp()).sqrt()));
+            return Some(Seen::Flat { density, apart: [low.exp() / OWN, high.exp() * OWN] });
+        }
+        let one_sided = |density: f64| (0.5 * density).sqrt();
+        let of_axis = |axis: usize| {
+            let [low, high] = [f64::min, f64::max].map(|pick| alike().map(|fit| fit[axis]).reduce(pick));
+            let (low, high) = (low?.exp(), high?.exp());
+            let value = fits[best].0[axis].exp();
+            Some(Interval { value: one_sided(value), low: one_sided(low) / OWN, high: one_sided(high) * OWN })
+        };
+        let density = [of_axis(0)?, of_axis(1)?, of_axis(2)?];
+        // A bound has no more digits than these.
+        let short = |density: f64| format!("{density:.2e}").parse().expect("Rust reads its own numbers");
+        let loudest = |end: fn(&Interval) -> f64| short(density.iter().map(end).fold(0.0, f64::max));
+        let known = misfit < MISFIT && density.iter().all(|axis| axis.width() < Interval::WIDEST);
+        let Candidate { low_pass, corner_hz, .. } = candidates[best];
+        let between = [loudest(|axis| axis.low), loudest(|axis| axis.high)];
+        Some(Seen::Falls(Fall { low_pass, corner_hz, between, density: known.then_some(density) }))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Fall, Seen, of_spectra};
-    use dpn_core::SampleRate;
-    use dpn_core::random::Stream;
-    use dpn_core::signal::{Spectrum, Welch};
+    use super::{Fall, LowPassSight, Seen};
+    use crate::random::Stream;
+    use crate::signal::{Spectrum, Welch};
+    use crate::time::SampleRate;
     use rand::Rng;
     use rand_distr::StandardNormal;
     use std::f64::consts::{PI, SQRT_2, TAU};
@@ -293,13 +319,19 @@ mod tests {
     fn fall(poles: usize, corner: f64, rotor: f64) -> Option<Fall> {
         let axes =
             [0, 1, 2].map(|axis| spectrum(axis, poles, corner, if axis == 2 { 0.1 } else { 1.0 } * rotor));
-        match of_spectra(&axes, [0.0; 3], 60, SampleRate::HZ_200) {
-            Some(Seen::Falls(fall)) => Some(fall),
-            Some(Seen::Flat([low, high])) => {
+        let sight = LowPassSight::new(SampleRate::HZ_200, 200).unwrap();
+        match sight.seen(axes.each_ref().map(Spectrum::density), [0.0; 3], 60) {
+            Seen::Falls(fall) => Some(fall),
+            Seen::Flat { density, apart: [low, high] } => {
                 assert!(low > 0.7 && low < 1.0 && high > 1.0 && high < 1.4, "{low} {high}");
+                let truth = 0.005f64.sqrt();
+                assert!(
+                    rotor > 0.0 || density.unwrap().iter().all(|d| (d / truth - 1.0).abs() < 0.1),
+                    "{density:?}"
+                );
                 None
             }
-            _ => None,
+            Seen::Untold => None,
         }
     }
 
