@@ -407,7 +407,7 @@ mod tests {
         // White noise in the middle of the paper's range, and the same behind a low pass.
         let mut rng = Stream::new(2).named("range").rng();
         let mut white = || [0; 3].map(|_| 12f64.sqrt() * (rng.random::<f64>() - 0.5));
-        let samples: Vec<ImuSample> = (0..2000)
+        let samples: Vec<ImuSample> = (0..2600)
             .map(|i| ImuSample {
                 t: Stamp::from_ns(5_000_000 * i),
                 accel: white().map(|v| 0.1 * v),
@@ -436,6 +436,16 @@ mod tests {
         let white = ImuRecording::new(samples).unwrap();
         assert!(outside("dualpronet", &white).iter().all(|share| *share < 0.05));
         assert!(outside("dualpronet", &slow).iter().all(|share| *share > 0.9));
+        // What the odometry is told is held against the spectrum, and what was given is not.
+        let against = |spec: &str, imu: &ImuRecording| {
+            let spec: NoiseSpec = spec.parse().unwrap();
+            let said = NoiseTrack::of(&mut live(&spec, "r", imu.rate(), &networks).unwrap(), imu);
+            doubts(&spec, imu, &said)
+        };
+        assert_eq!(against("diff2", &white), [""; 0]);
+        assert_eq!(against("x4", &slow), [""; 0]);
+        let words = against("diff2", &slow);
+        assert!(words.len() == 2 && words[1].starts_with("NOT KNOWN: the gyro's spectrum"), "{words:?}");
     }
 
     #[test]

@@ -182,7 +182,7 @@ fn what_a_figure_cannot_be_made_of_is_said() {
                 done.stdout.matches("in motion, by the shape of a low pass (1st order, about").count();
             assert_eq!(shape, 2, "{done:?}");
         } else {
-            let words = "NOT KNOWN: in motion the gyro's spectrum falls as behind a low pass";
+            let words = "NOT KNOWN: the gyro's spectrum above 35 Hz falls as behind a low pass";
             assert!(done.stderr.contains(words), "{done:?}");
             assert!(done.stdout.contains("gyroscope noise: not known, above 35 Hz"), "{done:?}");
         }

@@ -46,7 +46,7 @@ pub use fall::{Fall, LowPassSight, Seen};
 pub(crate) use mad2::Mad2;
 pub(crate) use savgol::sg_residual;
 pub use spec::{DEFAULT_TAG, FLIGHT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};
-pub use watch::{Doubt, Watch, two};
+pub use watch::{Doubt, SLOWEST, Watch, Why, two};
 pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};
 pub(crate) use windowed::Windowed;

@@ -12,9 +12,10 @@ use crate::time::SampleRate;
 /// Within this factor of an interval an answer agrees with it.
 const AGREES: f64 = 1.15;
 /// An answer that is further than this factor from a flat spectrum says another noise.
-const APART: f64 = 1.5;
-/// Below so many times [`MOTION_HZ`] motion may pass for a flat spectrum, so that less is no contradiction.
-const ABOVE: f64 = 3.5;
+const APART: f64 = 1.25;
+/// Rates of fewer times [`MOTION_HZ`] hold too little above motion: a flight's figure at 100 Hz is twice the same at 200, at 50 Hz ten times. Motion may pass for a flat
+/// spectrum there, so that less than it is no contradiction.
+pub const SLOWEST: f64 = 3.5;
 /// Seconds in each of the two halves that a stream looks back on, from one look to the next, and before the first.
 const HALF: usize = 30;
 const EVERY: usize = 10;
@@ -27,36 +28,54 @@ pub struct Doubt {
     pub sensor: Sensor,
     /// What was said: the deviation of one sample, of the loudest axis or of the one that is furthest off.
     pub said: f64,
-    /// What the noise is between, as a deviation of one sample.
-    pub between: [f64; 2],
-    /// What the spectrum falls behind; none where it is flat.
-    pub fall: Option<Fall>,
+    /// Why.
+    pub why: Why,
+}
+
+/// What speaks against an answer. The noise is between two deviations of one sample, where the spectrum tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Why {
+    /// The spectrum falls as behind a low pass.
+    Falls {
+        /// Which.
+        fall: Fall,
+        /// What the noise is between.
+        between: [f64; 2],
+    },
+    /// It is as flat as noise, and of another level.
+    Flat {
+        /// What the noise is between.
+        between: [f64; 2],
+    },
+    /// The rate leaves too little of it above motion, so that nothing confirms an answer.
+    Slow {
+        /// The rate \[Hz\].
+        rate_hz: f64,
+    },
 }
 
 impl Doubt {
     /// What `seen` has against deviations of one sample, x, y, z, at `rate`; none where they agree, or where it tells nothing.
     pub fn of(sensor: Sensor, said: [f64; 3], seen: &Seen, rate: SampleRate) -> Option<Self> {
         let root = rate.hz().sqrt();
+        let slow = rate.hz() < SLOWEST * MOTION_HZ;
+        let loudest = said.into_iter().fold(0.0, f64::max);
         match seen {
-            Seen::Untold | Seen::Flat { density: None, .. } => None,
+            Seen::Untold | Seen::Flat { density: None, .. } => {
+                slow.then_some(Self { sensor, said: loudest, why: Why::Slow { rate_hz: rate.hz() } })
+            }
             Seen::Falls(fall) => {
-                let said = said.into_iter().fold(0.0, f64::max);
                 let between = fall.between.map(|density| density * root);
-                let agrees = (between[0] / AGREES..between[1] * AGREES).contains(&said);
-                (fall.density.is_none() || !agrees).then_some(Self {
-                    sensor,
-                    said,
-                    between,
-                    fall: Some(*fall),
-                })
+                let agrees = (between[0] / AGREES..between[1] * AGREES).contains(&loudest);
+                let why = Why::Falls { fall: *fall, between };
+                (fall.density.is_none() || !agrees).then_some(Self { sensor, said: loudest, why })
             }
             Seen::Flat { density: Some(density), apart: [less, more] } => {
-                let above = rate.hz() >= ABOVE * MOTION_HZ;
                 let off = |axis: usize| {
-                    let [low, high] = [less, more].map(|by| by * density[axis] * root);
-                    let by =
-                        if above { (low / said[axis]).max(said[axis] / high) } else { said[axis] / high };
-                    (by, Self { sensor, said: said[axis], between: [low, high], fall: None })
+                    let between = [less, more].map(|by| by * density[axis] * root);
+                    let [under, over] = [between[0] / said[axis], said[axis] / between[1]];
+                    let by = if slow { over } else { over.max(under) };
+                    (by, Self { sensor, said: said[axis], why: Why::Flat { between } })
                 };
                 let (by, doubt) = [off(0), off(1), off(2)].into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
                 (by > APART).then_some(doubt)
@@ -66,17 +85,25 @@ impl Doubt {
 
     /// For people, of what `who` says.
     pub fn words(&self, who: &str) -> String {
-        let falls = match &self.fall {
-            Some(fall) => format!("falls as behind {}, which no second of it tells", fall.words()),
-            None => "is as flat as noise".to_owned(),
+        let (sensor, said, unit) = (self.sensor, two(self.said), self.sensor.unit());
+        let says = format!("{who} says {said} {unit} a sample");
+        let between = |[low, high]: [f64; 2]| format!("the noise is between {} and {}", two(low), two(high));
+        let told = match &self.why {
+            Why::Falls { fall, between: ends } => format!(
+                "the {sensor}'s spectrum above {MOTION_HZ:.0} Hz falls as behind {}, which no second of it tells: {says}, and {}",
+                fall.words(),
+                between(*ends)
+            ),
+            Why::Flat { between: ends } => format!(
+                "the {sensor}'s spectrum above {MOTION_HZ:.0} Hz is as flat as noise: {says}, and {}",
+                between(*ends)
+            ),
+            Why::Slow { rate_hz } => format!(
+                "the {sensor}'s {rate_hz:.0} Hz do not tell noise from motion: {says}, and it may be several times less"
+            ),
         };
-        let [low, high] = self.between.map(two);
         format!(
-            "NOT KNOWN: the {}'s spectrum above {MOTION_HZ:.0} Hz {falls}: {who} says {} {} a sample, and the noise is between {low} and {high}; \
-             add ten seconds at rest to the log, or run the odometry (dpn run --noise self)",
-            self.sensor,
-            two(self.said),
-            self.sensor.unit()
+            "NOT KNOWN: {told}; add ten seconds at rest to the log, or run the odometry (dpn run --noise self)"
         )
     }
 }
@@ -253,8 +280,10 @@ mod tests {
         for off in [2.0, 0.5] {
             let [accel, gyro] = doubts(off)[11_999];
             let (accel, gyro) = (accel.unwrap(), gyro.unwrap());
-            assert!(accel.fall.is_some() && (0.06..0.12).contains(&accel.between[0]), "{accel:?}");
-            assert!(gyro.fall.is_none() && (0.006..0.011).contains(&gyro.between[0]), "{gyro:?}");
+            let Why::Falls { between: [low, high], .. } = accel.why else { panic!("{accel:?}") };
+            assert!(low < 0.1 && high > 0.1, "{accel:?}");
+            let Why::Flat { between: [low, high] } = gyro.why else { panic!("{gyro:?}") };
+            assert!(low > 0.006 && low < 0.01 && high > 0.01 && high < 0.015, "{gyro:?}");
             assert!(
                 gyro.words("x").starts_with(
                     "NOT KNOWN: the gyro's spectrum above 35 Hz is as flat as noise: x says 0.0"
@@ -268,5 +297,11 @@ mod tests {
         assert!(doubts(3.0)[..2000].iter().flatten().all(Option::is_none));
         assert!(doubts(3.0)[3999].iter().all(Option::is_some));
         assert!(Watch::new(SampleRate::from_hz(20.0).unwrap()).is_none());
+        let at_100 =
+            Doubt::of(Sensor::Accel, [0.1; 3], &Seen::Untold, SampleRate::from_hz(100.0).unwrap()).unwrap();
+        assert!(
+            at_100.words("x").contains("100 Hz do not tell noise from motion: x says 0.1 m/s^2 a sample")
+        );
+        assert_eq!(Doubt::of(Sensor::Accel, [0.1; 3], &Seen::Untold, SampleRate::HZ_200), None);
     }
 }

@@ -71,8 +71,8 @@ impl Along {
         }));
         // What was given is no estimate.
         if !plan.noise.spec().is_constant() {
-            let seen = effective.iter().map(|effective| &effective.seen);
-            warnings.extend(seen.flat_map(|seen| report::in_motion(plan, &summary, seen, recording.rate())));
+            let in_motion = |effective| report::in_motion(plan, &summary, effective, recording.rate());
+            warnings.extend(effective.iter().flat_map(in_motion));
             let at_rest =
                 rest.iter().flat_map(|rest| report::at_rest(plan, &summary, rest, recording.rate()));
             warnings.extend(at_rest);

@@ -9,7 +9,7 @@ use crate::doctor::values::steps_of;
 use crate::paste::{FigureLine, Paste};
 use crate::phases::{Phase, Stretch, phase_at};
 use crate::rest_noise::{LowPass, RestNoise, Shape};
-use dpn_core::estimate::{Effective, EffectiveStream, Fall, MOTION_HZ, Seen};
+use dpn_core::estimate::{Effective, EffectiveStream, Fall, MOTION_HZ, SLOWEST, Seen};
 use dpn_core::noise::{Figure, Interval};
 use dpn_core::signal::stats::median;
 use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
@@ -22,9 +22,6 @@ use std::sync::Arc;
 const SPANS_S: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
 /// The span whose figures are written out to paste: two frames of a camera of 20 Hz, one of 10 Hz.
 const PASTED_S: f64 = 0.1;
-
-/// Rates of fewer times [`MOTION_HZ`] hold too little above motion: a flight's figure at 100 Hz is twice the same at 200, at 50 Hz ten times.
-const SLOWEST: f64 = 3.5;
 
 /// What the samples are summed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -217,6 +214,12 @@ impl EffectiveNoise {
         let paste = Paste { rate_hz: rate, lines };
         let pasted = paste.written(&PASTED);
         Ok(Some(Self { phase, spans, pasted, behind, seen: all_seen, growth_hidden, paste }))
+    }
+
+    /// Deviations of one sample that err as much over the span that is pasted, x, y, z; none where the rate has no such span.
+    pub(super) fn pasted_span(&self, sensor: Sensor) -> Option<[f64; 3]> {
+        let of = |s: &&SpanNoise| (s.sensor, s.of) == (sensor, Increment::Sum) && s.span_s == PASTED_S;
+        self.spans.iter().find(of).map(|s| s.sigma)
     }
 
     /// For people: the figures to paste, with the lines of `formats`.

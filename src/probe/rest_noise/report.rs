@@ -188,6 +188,26 @@ mod tests {
     }
 
     #[test]
+    fn knocks_at_a_rest_are_none_of_its_noise() {
+        let mut samples = log(40, 1).samples().to_vec();
+        for (at, by) in [(2000, 2.0), (2004, -1.5), (6500, 1.0), (6503, -1.0)] {
+            samples[at].accel[1] += by;
+            samples[at].gyro[2] += 0.2 * by;
+        }
+        let knocked = found(&ImuRecording::new(samples).unwrap());
+        assert!(
+            knocked.from_s > 10.0 && knocked.to_s < 32.5 && knocked.to_s - knocked.from_s > 21.0,
+            "{knocked:?}"
+        );
+        for (sensor, sigma) in knocked.sensors.iter().zip([0.05, 0.004]) {
+            for axis in sensor.axes.iter().flatten() {
+                let value = axis.density.unwrap().value;
+                assert!((value / (sigma / 200.0_f64.sqrt()) - 1.0).abs() < 0.12, "{axis:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_second_of_rest_says_nothing() {
         let log = log(3, 1);
         assert_eq!(RestNoise::of(&log, &phases(&log).unwrap()).unwrap(), None);

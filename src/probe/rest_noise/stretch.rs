@@ -2,7 +2,8 @@
 
 use crate::phases::{Phase, Stretch, phase_at};
 use crate::rates::{self, Part};
-use dpn_core::{Recorded, SampleRate, Sensor};
+use dpn_core::signal::stats::{self, Ddof};
+use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
 use serde::Serialize;
 use std::io;
 use std::ops::Range;
@@ -64,6 +65,64 @@ impl Open {
     }
 }
 
+/// Parts of a rest that are held against each other \[s\], and the power over their median, and over what nine of ten stay below, from which somebody knocked.
+const BLOCK_S: f64 = 0.25;
+const KNOCK: [f64; 2] = [16.0, 6.0];
+
+impl Open {
+    /// The longest part that nobody knocks at; none where none lasts for `least_s`.
+    fn between_knocks(self, recording: &dyn Recorded, least_s: f64) -> io::Result<Option<Self>> {
+        let rows = ((recording.rate().hz() * BLOCK_S).round() as usize).max(4);
+        let start = recording.span()[0];
+        let blocks = self.range.len() / rows;
+        let mut powers: [Vec<f64>; 6] = Default::default();
+        let mut spans: Vec<[f64; 2]> = Vec::with_capacity(blocks);
+        recording.pieces(self.range.start..self.range.start + blocks * rows, rows, &mut |block| {
+            let at = |sample: &ImuSample| sample.t.seconds_since(start);
+            spans.push([at(&block[0]), at(&block[block.len() - 1])]);
+            let axes = Sensor::ALL.into_iter().flat_map(|sensor| (0..3).map(move |axis| (sensor, axis)));
+            for ((sensor, axis), powers) in axes.zip(&mut powers) {
+                let values: Vec<f64> = block.iter().map(|sample| sample.of(sensor)[axis]).collect();
+                powers.push(stats::variance(&values, Ddof::Zero));
+            }
+            Ok(())
+        })?;
+        let mut knocked = vec![false; blocks];
+        for powers in &powers {
+            let limit = (KNOCK[0] * stats::median(powers)).max(KNOCK[1] * stats::quantile(powers, 0.9));
+            // Steps of a coarse converter may be rare.
+            if limit > 0.0 {
+                knocked.iter_mut().zip(powers).for_each(|(knocked, power)| *knocked |= *power > limit);
+            }
+        }
+        if !knocked.contains(&true) {
+            return Ok(Some(self));
+        }
+        // What rings on after a knock is not louder than the limit.
+        let is_still = |k: usize| !knocked[k] && (k == 0 || !knocked[k - 1]);
+        let (mut longest, mut from) = (0..0, None);
+        for k in 0..=blocks {
+            if k < blocks && is_still(k) {
+                from.get_or_insert(k);
+            } else if let Some(begun) = from.take()
+                && k - begun > longest.len()
+            {
+                longest = begun..k;
+            }
+        }
+        if longest.is_empty() {
+            return Ok(None);
+        }
+        let span = [spans[longest.start][0], spans[longest.end - 1][1]];
+        let inside = longest.start * rows..longest.end * rows;
+        let holes = self.holes.into_iter().filter(|hole| hole.0 > inside.start && hole.0 < inside.end);
+        let holes = holes.map(|(at, lost)| (at - inside.start, lost)).collect();
+        let range = self.range.start + inside.start..self.range.start + inside.end;
+        let part = Self { range, span, holes };
+        Ok(part.serves(least_s).then_some(part))
+    }
+}
+
 /// Values of a sensor that stand on several rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Held {
@@ -119,7 +178,9 @@ impl Rows {
             index += 1;
         })?;
         close(&mut open, &mut best);
-        let Some(Open { range, span: [from_s, to_s], holes }) = best else { return Ok(None) };
+        let Some(best) = best else { return Ok(None) };
+        let Some(best) = best.between_knocks(recording, least_s)? else { return Ok(None) };
+        let Open { range, span: [from_s, to_s], holes } = best;
         let fresh = [held(recording, &range, Sensor::Accel)?, held(recording, &range, Sensor::Gyro)?];
         Ok(Some(Self { range, from_s, to_s, holes, fresh }))
     }
