@@ -285,7 +285,12 @@ fn deviations_follow_lines_on_stdin_and_are_those_of_the_log() {
     assert!(done.status.success(), "{done:?}");
     assert_eq!(String::from_utf8(done.stdout).unwrap(), whole);
     let stderr = String::from_utf8(done.stderr).unwrap();
-    assert_eq!(stderr, "warning: stdin:12002: 1 fields, expected 7; passed over\n");
+    // Half of the log turns, and the network hears some of that in the gyroscope, which the spectrum does not.
+    assert!(
+        stderr.lines().any(|line| line.starts_with("warning: NOT KNOWN: the gyro's spectrum")),
+        "{stderr}"
+    );
+    assert!(stderr.ends_with("\nwarning: stdin:12002: 1 fields, expected 7; passed over\n"), "{stderr}");
     let done = end(dpn().args(["noise", "--follow"]).stdin(Stdio::null())).well();
     assert_eq!(done.stdout.lines().count(), 1);
 }

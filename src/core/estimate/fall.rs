@@ -6,7 +6,7 @@
 
 use super::MOTION_HZ;
 use crate::noise::Interval;
-use crate::signal::stats::{median, quantile};
+use crate::signal::stats::{mean, median, quantile};
 use crate::signal::{LowPass, Made};
 use crate::time::SampleRate;
 
@@ -35,6 +35,8 @@ const FALLS: f64 = 10.0;
 /// density that is so much higher in the lowest band than in the highest, on every axis, is one that a low pass hides.
 const MISFIT: f64 = 3.0;
 const PLAIN: f64 = 5.0;
+/// Mean over median of all bands from which there are lines in them.
+const LINES: f64 = 1.3;
 /// What a density is off by where one filter alone fits, a factor.
 const OWN: f64 = 1.03;
 /// Share of a level below which what rounding leaves of it is no figure.
@@ -73,7 +75,7 @@ pub enum Seen {
     Falls(Fall),
     /// It does not, but filters with a corner far up fit as well.
     Flat {
-        /// The density of each axis \[unit / sqrt(Hz)\], where it is even enough to be noise.
+        /// The density of each axis \[unit / sqrt(Hz)\], where it is even enough, and without lines, to be noise.
         density: Option<[f64; 3]>,
         /// By which factors a density may be smaller and larger than what is seen.
         apart: [f64; 2],
@@ -156,6 +158,8 @@ struct Levels {
     levels: Vec<(f64, f64)>,
     /// Logarithm of what is seen where motion is slow.
     slow: f64,
+    /// Whether lines stand out of all bands, as rotors' do: they shake, and are no part of the level.
+    lines: bool,
 }
 
 impl Levels {
@@ -227,9 +231,11 @@ impl LowPassSight {
                     let left = (seen - rounding).max(LEFT * seen);
                     (left.ln(), chance.hypot(COLOUR) + rounding.min(seen) / left * 0.3)
                 };
+                let all = inside([bands[0][0], bands[bands.len() - 1][1]]);
                 Levels {
                     levels: bands.iter().map(level).collect(),
                     slow: quantile(&inside(SLOW), LEVEL).ln(),
+                    lines: mean(&all) > LINES * median(&all),
                 }
             })
             .collect();
@@ -260,8 +266,8 @@ impl LowPassSight {
                 alike().flat_map(|fit| fit.iter().zip(flat).map(|(density, flat)| 0.5 * (density - flat)));
             let (low, high) =
                 apart.fold((0.0, 0.0), |(low, high): (f64, f64), by| (low.min(by), high.max(by)));
-            let density =
-                (misfit < MISFIT).then(|| std::array::from_fn(|axis| (0.5 * flat[axis].exp()).sqrt()));
+            let is_noise = misfit < MISFIT && !axes.iter().any(|axis| axis.lines);
+            let density = is_noise.then(|| std::array::from_fn(|axis| (0.5 * flat[axis].exp()).sqrt()));
             return Some(Seen::Flat { density, apart: [low.exp() / OWN, high.exp() * OWN] });
         }
         let one_sided = |density: f64| (0.5 * density).sqrt();
