@@ -110,7 +110,6 @@ pub trait Validate {
 }
 
 /// The word among `known` that is nearest to `typed`, when it is near enough to be a slip.
-#[cfg(feature = "full")]
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()

@@ -78,8 +78,9 @@ impl Running {
         }
         self.push(reading);
         self.seen += 1;
-        // NaN is above nothing.
-        if !(self.answer.amax() < MOST) {
+        // NaN is below nothing.
+        let is_a_bias = self.answer.amax() < MOST;
+        if !is_a_bias {
             self.mean = None;
             return Ok(());
         }

@@ -37,6 +37,10 @@ pub(crate) fn bags(dir: &Path) -> Result<(Vec<PathBuf>, Option<PathBuf>), IoErro
     let (mut files, mut packed) = (Vec::new(), None);
     for entry in std::fs::read_dir(dir).map_err(reading)? {
         let path = entry.map_err(reading)?.path();
+        // A pipe is waited for, and for ever.
+        if !path.is_file() {
+            continue;
+        }
         match path.extension().and_then(|e| e.to_str()) {
             Some("mcap" | "db3") => files.push(path),
             Some("zstd" | "zst") => packed = Some(path),

@@ -69,7 +69,7 @@ fn a_pipe_in_a_folder_is_passed_over_and_one_for_a_trajectory_refused() {
     for name in ["a.csv", "b.csv"] {
         std::fs::write(folder.join(name), text(&rows(2000, 5_000_000))).unwrap();
     }
-    for pipe in ["c.csv", "d.jsonl", "e.bag"] {
+    for pipe in ["c.csv", "d.jsonl", "e.bag", "f.mcap", "g.db3"] {
         assert!(std::process::Command::new("mkfifo").arg(folder.join(pipe)).status().unwrap().success());
     }
     for line in ["check folder", "noise folder"] {
