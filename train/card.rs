@@ -132,16 +132,20 @@ impl OnCard {
     }
 
     fn compare(&self, what: &'static str, here: &[f32], there: &[f32]) -> Result<(), GpuError> {
-        let largest = here.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs()));
-        let apart = here.iter().zip(there).map(|(a, b)| (a - b).abs() / largest);
-        // What is no number is far off.
-        let apart = apart.fold(0.0, |most: f32, apart| if apart <= most { most } else { apart });
+        let apart = apart(here, there);
         if apart <= APART || here.iter().any(|v| !v.is_finite()) {
             return Ok(());
         }
         let adapter = self.training.gpu().adapter().to_owned();
         Err(GpuError::Wrong { adapter, what, apart: format!("{apart:.1e}") })
     }
+}
+
+/// Largest difference in units of the largest number `here`; what is no number there is far off.
+fn apart(here: &[f32], there: &[f32]) -> f32 {
+    let largest = here.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs()));
+    let each = here.iter().zip(there).map(|(a, b)| (a - b).abs() / largest);
+    each.map(|apart| if apart.is_nan() { f32::INFINITY } else { apart }).fold(0.0, f32::max)
 }
 
 /// What the card draws from, where its kernel knows all that the rule asks for: recorded windows, cleaned and turned about, under white noise that alone is labelled.
@@ -168,4 +172,20 @@ fn drawn(config: &TrainConfig, set: &WindowSet) -> Option<Source> {
     };
     let (samples, places) = set.recorded();
     Some(Source::new(set.window(), samples, places, &set.filters(), (kind, [levels.low, levels.high]), turns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_none_is_far_off_wherever_it_stands() {
+        let here = [1.0, -4.0, 2.0];
+        assert_eq!(apart(&here, &[1.0, -4.0, 3.0]), 0.25);
+        for at in 0..3 {
+            let mut there = here;
+            there[at] = f32::NAN;
+            assert_eq!(apart(&here, &there), f32::INFINITY);
+        }
+    }
 }

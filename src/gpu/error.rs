@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum GpuError {
     /// None there.
-    #[error("no GPU was found through Vulkan, Metal or DirectX: {reason}")]
+    #[error("no GPU was found through Vulkan, Metal, DirectX or OpenGL: {reason}")]
     None {
         /// What was looked for.
         reason: String,

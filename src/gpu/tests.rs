@@ -2,7 +2,7 @@
 
 use crate::kernels::draw::threefry;
 use crate::room::Room;
-use crate::{Examples, Gpu, LevelDraw, Loss, Source, State, Step, Training, Turns};
+use crate::{Examples, Gpu, GpuError, LevelDraw, Loss, Source, State, Step, Training, Turns};
 use cubecl::prelude::*;
 use dpn_core::config::Validate;
 use dpn_core::random::Stream;
@@ -208,4 +208,59 @@ fn drawn_windows_are_recorded_ones_turned_about_under_noise_of_their_label() {
     let loud = labels.iter().filter(|label| **label > 0.4).count() as f32;
     // Of second differences of white noise neighbours have the covariance -4.
     assert!((product / loud + 4.0).abs() < 0.1, "{}", product / loud);
+}
+
+/// Asked of this very test in a process of its own, for a card is looked for once a process.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_driver_what_was_looked_for_is_said() {
+    const ALONE: &str = "DPN_TEST_WITHOUT_A_DRIVER";
+    if std::env::var_os(ALONE).is_some() {
+        println!("{}", Gpu::open().unwrap_err());
+        return;
+    }
+    let mut alone = std::process::Command::new(std::env::current_exe().unwrap());
+    alone.args(["--exact", "tests::without_a_driver_what_was_looked_for_is_said", "--nocapture"]);
+    let drivers = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", "__EGL_VENDOR_LIBRARY_FILENAMES", ALONE];
+    let said = alone.envs(drivers.map(|name| (name, "/none"))).output().unwrap();
+    let said = String::from_utf8(said.stdout).unwrap();
+    assert!(said.contains("no GPU was found through Vulkan, Metal, DirectX or OpenGL: No adapter"), "{said}");
+}
+
+#[test]
+fn a_window_and_a_batch_that_do_not_go_in_are_errors_that_name_the_card_and_leave_the_state() {
+    let gpu = Gpu::open().unwrap();
+    let refused = |error: GpuError, expected: &str| {
+        assert!(matches!(&error, GpuError::Memory { what, .. } if *what == expected), "{error}");
+        assert!(error.to_string().starts_with(gpu.adapter()), "{error}");
+    };
+    let training = |config| Training::new(&gpu, config, Loss::Mse, AdamConfig::default(), 0.0);
+    let weights = |config| initial_parameters(config, &Stream::new(13));
+    let long = ProNetConfig {
+        window: 2_000_000,
+        channels: vec![200],
+        kernels: vec![3],
+        strides: vec![1],
+        paddings: vec![0],
+        ..ProNetConfig::default()
+    };
+    let answers = training(&long).answers(&weights(&long), vec![0.0; long.window]);
+    refused(answers.unwrap_err(), "a window");
+
+    let usual = ProNetConfig::default();
+    let (window, mut same) = (usual.window, vec![0.0; usual.window.pow(2)]);
+    same.iter_mut().step_by(window + 1).for_each(|diagonal| *diagonal = 1.0);
+    let turns = Turns { offset: false, sign: false, reverse: false, grow_share: 0.0, factors: [1.0; 2] };
+    let levels = (LevelDraw::Uniform, [0.1, 0.5]);
+    let source = Source::new(window, vec![0.0; window], vec![[0, 0]], &[same], levels, turns);
+    // A gibibyte of samples and a window.
+    let rows = vec![[0, 0]; (1 << 28) / window + 1];
+    let batch = rows.len();
+    let examples = Examples::Drawn { source: std::sync::Arc::new(source), rows, key: [0, 0] };
+    let mut state = State::new(weights(&usual));
+    let before = state.clone();
+    let step = [Step { number: 1, rate: 1e-3, keep: 0.0 }];
+    let taken = training(&usual).steps(&mut state, examples, batch, &step);
+    refused(taken.unwrap_err(), "a batch");
+    assert!(state == before);
 }
