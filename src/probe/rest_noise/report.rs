@@ -208,6 +208,12 @@ mod tests {
     }
 
     #[test]
+    fn of_a_rest_longer_than_is_looked_at_nothing_is_lost() {
+        let long = found(&log(1400, 1));
+        assert!(long.to_s - long.from_s < 1320.0 && long.bridged == 0, "{} {}", long.to_s, long.bridged);
+    }
+
+    #[test]
     fn a_second_of_rest_says_nothing() {
         let log = log(3, 1);
         assert_eq!(RestNoise::of(&log, &phases(&log).unwrap()).unwrap(), None);

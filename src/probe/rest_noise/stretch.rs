@@ -168,10 +168,11 @@ impl Rows {
             if rests {
                 let fresh = || Open { range: index..index, span: [t, t], holes: Vec::new() };
                 let open = open.get_or_insert_with(fresh);
-                if (1..=BRIDGED).contains(&lost) {
-                    open.holes.push((index - open.range.start, lost));
-                }
+                // Of one that is full the last stamp stays behind, and nothing is lost.
                 if open.range.len() < MOST {
+                    if (1..=BRIDGED).contains(&lost) {
+                        open.holes.push((index - open.range.start, lost));
+                    }
                     (open.range.end, open.span[1]) = (index + 1, t);
                 }
             }
