@@ -90,12 +90,9 @@ impl AtRate {
             None => Plan::fitting(rate, every, &networks).map(|(plan, _)| plan),
         };
         let plan = plan.map_err(|e| raise(&e))?;
-        let mut feed = plan.feed().map_err(|e| raise(&e))?;
-        if plan.noise.spec().is_estimate() {
-            feed = feed.watched(rate);
-        }
+        let feed = plan.feed().map_err(|e| raise(&e))?;
         Ok(Self {
-            feed: Mutex::new(feed),
+            feed: Mutex::new(feed.watched(plan.noise.spec(), rate)),
             rate,
             unknown: (plan.unknown_s() * rate.hz()).ceil() as u64,
             came: 0,

@@ -27,10 +27,7 @@ pub(super) fn rate(how: &HowArgs) -> SampleRate {
 pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
     let mut lines =
         ImuLines::new(Path::new("stdin"), CsvOptions { rate: None, ..log::options(&args.how).csv });
-    let mut feed = plan.feed()?;
-    if plan.noise.spec().is_estimate() {
-        feed = feed.watched(plan.noise.rate());
-    }
+    let mut feed = plan.feed()?.watched(plan.noise.spec(), plan.noise.rate());
     let mut doubted = [false; 2];
     let mut before = feed.judged();
     let (mut first, mut last): (Option<Stamp>, Option<Stamp>) = (None, None);

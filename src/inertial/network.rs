@@ -91,13 +91,17 @@ impl Layer<'_> {
 
 /// The layers of these parameters, from the samples on.
 pub(crate) fn layers(parameters: &[f32]) -> impl Iterator<Item = Layer<'_>> {
+    let mut rest = parameters;
     (0..LAYERS).map(move |layer| {
-        let [taps, bias] = places(layer);
+        let (inputs, outputs) = (CHANNELS[layer], CHANNELS[layer + 1]);
+        let (taps, after) = rest.split_at(TAPS[layer] * inputs * outputs);
+        let (bias, after) = after.split_at(outputs);
+        rest = after;
         Layer {
-            inputs: CHANNELS[layer],
-            outputs: CHANNELS[layer + 1],
-            taps: &parameters[taps],
-            bias: &parameters[bias],
+            inputs,
+            outputs,
+            taps,
+            bias,
             stride: stride(layer),
             dilation: DILATIONS[layer],
             is_last: layer + 1 == LAYERS,
@@ -136,20 +140,17 @@ fn strided(
 pub(crate) fn forward(parameters: &[f32], samples: DMatrix<f32>) -> (DMatrix<f32>, Trace) {
     let mut trace = Trace { inputs: Vec::with_capacity(LAYERS), sums: Vec::with_capacity(LAYERS) };
     let mut input = samples;
-    for layer in 0..LAYERS {
-        let (rows, outputs, step) = (CHANNELS[layer], CHANNELS[layer + 1], stride(layer));
-        let span = (TAPS[layer] - 1) * DILATIONS[layer];
-        let answers = (input.ncols() - span - 1) / step + 1;
-        let [taps, bias] = places(layer);
-        let bias = &parameters[bias];
-        let mut sum = DMatrix::from_fn(outputs, answers, |row, _| bias[row]);
-        for (tap, weights) in parameters[taps].chunks_exact(rows * outputs).enumerate() {
+    for layer in layers(parameters) {
+        let Layer { inputs: rows, outputs, stride: step, dilation, .. } = layer;
+        let answers = (input.ncols() - layer.span()) / step + 1;
+        let mut sum = DMatrix::from_fn(outputs, answers, |row, _| layer.bias[row]);
+        for (tap, weights) in layer.taps.chunks_exact(rows * outputs).enumerate() {
             let weights = DMatrixView::from_slice(weights, outputs, rows);
-            let from = tap * DILATIONS[layer] * rows;
+            let from = tap * dilation * rows;
             sum.gemm(1.0, &weights, &strided(&input.as_slice()[from..], rows, answers, 1, step * rows), 1.0);
         }
         trace.inputs.push(input);
-        if layer + 1 == LAYERS {
+        if layer.is_last {
             return (sum, trace);
         }
         input = sum.map(activation);

@@ -36,7 +36,8 @@ pub fn scratch_file() -> io::Result<NamedTempFile> {
 /// Removes what lies abandoned in `folder` and what `also` names, and so `depth` levels of folders below it that `enters` lets in.
 pub(crate) fn clear(folder: &Folder, depth: usize, enters: fn(&Folder) -> bool, also: fn(&str) -> bool) {
     // What cannot be listed or removed is in nobody's way.
-    for name in folder.list().unwrap_or_default() {
+    let Ok(names) = folder.list() else { return };
+    for name in names {
         if folder.kind(&name).is_ok_and(|kind| kind == Kind::Folder) {
             let below = (depth > 0).then(|| folder.enter(&name).ok()).flatten().filter(enters);
             if let Some(below) = below {

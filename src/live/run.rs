@@ -251,7 +251,7 @@ impl LiveRun {
         let first = std::mem::take(&mut self.first);
         let recording = ImuRecording::new(first).expect("samples were held to increase, and there are two");
         let feed = noise::live(&self.spec, NAME, recording.rate(), &self.networks)?;
-        self.noise = Some(if self.spec.is_estimate() { feed.watched(recording.rate()) } else { feed });
+        self.noise = Some(feed.watched(&self.spec, recording.rate()));
         self.networks = Vec::new();
         self.rate = Some(recording.rate());
         recording.samples().iter().try_for_each(|sample| self.told(*sample))

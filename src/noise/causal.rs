@@ -142,10 +142,12 @@ impl std::fmt::Debug for Feed {
 }
 
 impl Feed {
-    /// Holds what is said against the spectrum of the last half to whole minute of samples at `rate`.
+    /// Holds what is said against the spectrum of the last half to whole minute of samples at `rate`, where `spec`, whose feed this is, is an estimate: constants and
+    /// what is learned are not.
     #[must_use]
-    pub fn watched(self, rate: SampleRate) -> Self {
-        Self { watch: Watch::new(rate).map(|watch| (watch, rate)), ..self }
+    pub fn watched(self, spec: &NoiseSpec, rate: SampleRate) -> Self {
+        let watch = Watch::new(rate).filter(|_| spec.is_estimate());
+        Self { watch: watch.map(|watch| (watch, rate)), ..self }
     }
 
     /// What that spectrum has against what is said, accelerometer and gyroscope; nothing of a feed that is not [watched](Self::watched).

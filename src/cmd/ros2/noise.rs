@@ -63,10 +63,7 @@ pub(super) fn run(mut args: Ros2NoiseArgs) -> Result<()> {
         }
     };
     let plan = plan_of(spec.as_ref(), rate, EVERY, &networks)?;
-    let mut feed = plan.feed()?;
-    if plan.noise.spec().is_estimate() {
-        feed = feed.watched(rate);
-    }
+    let mut feed = plan.feed()?.watched(plan.noise.spec(), rate);
     let unknown = (plan.unknown_s() * rate.hz()).ceil() as u64;
     errln!("noise by {} at {:.1} Hz, known after {:.1} s", feed.name(), rate.hz(), plan.unknown_s());
     let mut fed = 0;

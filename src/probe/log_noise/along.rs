@@ -70,7 +70,7 @@ impl Along {
             format!("{}; {}", found.text, found.remedy.expect("a bad finding says what to do"))
         }));
         // What was given is no estimate.
-        if !plan.noise.spec().is_constant() {
+        if plan.noise.spec().is_estimate() {
             let in_motion = |effective| report::in_motion(plan, &summary, effective, recording.rate());
             warnings.extend(effective.iter().flat_map(in_motion));
             let at_rest =

@@ -48,6 +48,9 @@ impl FrontEndObserver for () {
     fn end(&mut self, _: &GrayImage, _: &Fed) {}
 }
 
+/// An image, and what was made of it where it was followed.
+type Seen = (Stamp, GrayImage, Option<Fed>);
+
 /// The front-end with the images and gyroscope samples that wait for it.
 #[derive(Debug, Clone)]
 pub struct ImageTracker {
@@ -60,7 +63,7 @@ pub struct ImageTracker {
     /// The gyroscope's rate while the camera rests and nothing is known of its clock, in the body's axes \[rad/s\].
     resting: Option<Vector3<f64>>,
     /// Those that the scout has seen, before those that wait, with what it made of them where that holds.
-    again: VecDeque<(Stamp, GrayImage, Option<Fed>)>,
+    again: VecDeque<Seen>,
     waiting: VecDeque<(Stamp, GrayImage)>,
     newest_image: Option<Stamp>,
     newest_sample: Option<Stamp>,
@@ -229,7 +232,7 @@ impl ImageTracker {
     }
 
     /// The next image, where samples have reached it: those seen by the scout come again.
-    fn next_image(&mut self) -> Option<(Stamp, GrayImage, Option<Fed>)> {
+    fn next_image(&mut self) -> Option<Seen> {
         self.reached()?;
         self.again.pop_front().or_else(|| self.waiting.pop_front().map(|(t, image)| (t, image, None)))
     }
@@ -273,15 +276,16 @@ impl ImageTracker {
                 break;
             }
         }
-        let Scout { tracker, seen, mut made } = scout;
+        let Scout { tracker, mut seen } = scout;
         let found = tracker.clock();
-        if let Some((first, _)) = seen.front().filter(|_| found.found.is_some()) {
+        seen.extend(tracker.waiting.into_iter().map(|(t, image)| (t, image, None)));
+        if let Some((first, ..)) = seen.front().filter(|_| found.found.is_some()) {
             self.gyro.move_last(found.offset_s - self.clock().offset_s);
             self.clock.begin_at(found.offset_s, *first);
-            made.clear();
+            seen.iter_mut().for_each(|(.., made)| *made = None);
         }
         if !tracker.clock.is_known()
-            && let Some((last, _)) = seen.back()
+            && let Some((last, ..)) = seen.back()
         {
             let last = self.on_imu_clock(*last);
             let rates = [last, last.plus_seconds(-RATE_S)].map(|t| self.rate_before(t));
@@ -292,7 +296,7 @@ impl ImageTracker {
         if found.found.is_none() {
             (self.front_end, self.gyro, self.clock) = (tracker.front_end, tracker.gyro, tracker.clock);
         }
-        self.again = seen.into_iter().map(|(t, image)| (t, image, made.pop_front())).collect();
+        self.again = seen;
         true
     }
 
@@ -334,25 +338,23 @@ impl ImageTracker {
 #[derive(Debug, Clone)]
 struct Scout {
     tracker: Box<ImageTracker>,
-    seen: VecDeque<(Stamp, GrayImage)>,
-    /// What was made of those.
-    made: VecDeque<Fed>,
+    seen: VecDeque<Seen>,
 }
 
 impl Scout {
     /// With a tracker that has no scout.
     fn new(tracker: ImageTracker) -> Self {
-        Self { tracker: Box::new(tracker), seen: VecDeque::new(), made: VecDeque::new() }
+        Self { tracker: Box::new(tracker), seen: VecDeque::new() }
     }
 
     /// Looks at an image that samples have reached; whether it has looked long enough.
     fn look(&mut self, t: Stamp, image: GrayImage) -> bool {
-        self.tracker.waiting.push_back((t, image.clone()));
+        self.tracker.waiting.push_back((t, image));
         while let Some((t, image, _)) = self.tracker.next_image() {
-            self.made.push_back(self.tracker.follow(t, &image));
+            let made = self.tracker.follow(t, &image);
+            self.seen.push_back((t, image, Some(made)));
         }
-        self.seen.push_back((t, image));
-        let (first, _) = self.seen.front().expect("one was just added");
-        self.tracker.turns().is_known() || t.seconds_since(*first) > SCOUTED_S
+        let lasts = |(first, ..): &Seen| t.seconds_since(*first) > SCOUTED_S;
+        self.tracker.turns().is_known() || self.seen.front().is_some_and(lasts)
     }
 }
