@@ -140,8 +140,6 @@ impl Trainer {
         let network = |on| Trainable::new(&config.network, &on);
         let learner = match device {
             Device::Cpu => Learner::Cpu(network(dpn_pronet::Device::Cpu)?),
-            #[cfg(feature = "ndarray")]
-            Device::Ndarray => Learner::Cpu(network(dpn_pronet::Device::ndarray())?),
             #[cfg(feature = "wgpu")]
             Device::Gpu(gpu) => {
                 let here = network(dpn_pronet::Device::Cpu)?;

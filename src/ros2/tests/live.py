@@ -1,4 +1,4 @@
-"""`dpn ros2` against an independent DDS (Cyclone) over loopback: live.py DPN FOLDER [CASE...]. The pack `motion` is looked for in $DPN_DATA, then in data/."""
+"""`dpn ros2` against independent DDS (Cyclone, Fast DDS) over loopback: live.py DPN FOLDER [CASE...]; FOLDER/fastdds is fastdds.cpp. The pack `motion` is looked for in $DPN_DATA, then in data/."""
 
 import json
 import os
@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 import traceback
+from functools import partial
 from pathlib import Path
 
 from messages import *
@@ -18,22 +19,23 @@ WORK = Path(sys.argv[2])
 NOISE = ["--noise", "sg(11,2)", "--seed", "3"]
 
 
-def flown():
-    """Six seconds of a flight's small images, made once."""
-    folder = WORK / "live"
+def flown(resolution=[376, 240], intrinsics=[229.3, 228.6, 183.4, 123.9], seconds=6):
+    """Seconds of a flight's images, made once."""
+    folder = WORK / f"live-{resolution[0]}"
     if not folder.exists():
         camera = WORK / "camera.toml"
-        camera.write_text("[camera]\nresolution = [376, 240]\nintrinsics = [229.3, 228.6, 183.4, 123.9]\n")
-        line = [DPN, "simulate", "images", "room-medium", "--from", "12", "--to", "18", "--config", camera, "--out", folder]
+        camera.write_text(f"[camera]\nresolution = {resolution}\nintrinsics = {intrinsics}\n")
+        line = [DPN, "simulate", "images", "room-medium", "--from", "12", "--to", str(12 + seconds), "--config", camera, "--out", folder]
         subprocess.run(line, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return folder
 
 
 def expected(folder, *args):
-    """Stamp [ns] to the seven numbers of the trajectory that `dpn run` has of the same folder."""
+    """Stamp [ns] to the seven numbers of the trajectory that `dpn run` has of the same folder, run once."""
     out = WORK / f"run-{folder.name}"
     line = [DPN, "run", folder, "--camera", "images", "--out", out, *args]
-    subprocess.run(line, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if not out.exists():
+        subprocess.run(line, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     poses = {}
     for line in (out / "trajectory.tum").read_text().splitlines()[1:]:
         t, *numbers = line.split(" ")
@@ -99,7 +101,7 @@ def quantile(values, share):
     return sorted(values)[min(len(values) - 1, int(share * len(values)))]
 
 
-def motion():
+def motion(kind_of_peer=Peer, seconds=60):
     """The pack played at its own speed: the bits of `dpn run`, covariances, transforms, the IMU again, latency."""
     data = Path(os.environ.get("DPN_DATA", "data")) / "motion" / "MH_01_easy_start"
     if not data.exists():
@@ -109,7 +111,10 @@ def motion():
     # The node always says covariances, whose linear system changes the last digits of `self`.
     poses = expected(data, "--set", "covariance=true")
     recording = Recording(data, compressed=False)
-    peer = Peer()
+    end = recording.samples[0][0] + round(seconds * 1e9)
+    poses = {t: pose for t, pose in poses.items() if t < end}
+    recording.samples, recording.images = ([(t, m) for t, m in part if t < end] for part in (recording.samples, recording.images))
+    peer = kind_of_peer()
     odometry, tf = peer.reader("/odometry", Odometry), peer.reader("/tf", TFMessage)
     imu, told = peer.reader("/imu/with_covariance", Imu), peer.reader("/diagnostics", DiagnosticArray)
     peer.writer("/imu", Imu)
@@ -355,11 +360,11 @@ def launched():
     assert node.end() == 3 and "nan" not in node.said(), node.said()
 
 
-def noise(seconds=8.0, rate=1000):
+def noise(seconds=8.0, rate=1000, kind_of_peer=Peer):
     """The noise alone at 1 kHz, on simulated time; memory."""
     chance = random.Random(2)
     step = 1_000_000_000 // rate
-    peer = Peer()
+    peer = kind_of_peer()
     imu, told = peer.reader("/imu/with_covariance", Imu), peer.reader("/diagnostics", DiagnosticArray)
     writer = peer.writer("/imu", Imu, BEST_EFFORT, Policy.History.KeepLast(100), Policy.Durability.Volatile)
     clock = peer.writer("/clock", Clock, BEST_EFFORT, Policy.History.KeepLast(10), Policy.Durability.Volatile)
@@ -439,7 +444,32 @@ def soak(seconds):
     peer.close()
 
 
-CASES = [bits, view, launched, unfit, faults, two_namespaces, noise, motion]
+def fastdds():
+    """Fast DDS in place of Cyclone: some of the pack from one that has shared memory too; best effort; large images from one that comes after the node."""
+    program = WORK / "fastdds"
+    if not program.exists():
+        print("   skipped: no Fast DDS (libfastrtps-dev)")
+        return
+    motion(partial(FastPeer, program, "shm"), 8)
+    noise(2.5, 500, partial(FastPeer, program, "udp"))
+    folder = flown([1280, 720], [780.0, 780.0, 639.5, 359.5], 2)
+    poses = expected(folder, *NOISE)
+    recording = Recording(folder, compressed=False)
+    node = Node(DPN, "--calib", recording.calibration, "--reliable", *NOISE)
+    node.wait_for("waits for IMU on /imu (sensor_msgs/msg/Imu), which nobody sends")
+    peer = FastPeer(program, "udp")
+    odometry = peer.reader("/odometry", Odometry)
+    peer.writer("/imu", Imu)
+    peer.writer("/image_raw", Image)
+    peer.matched("/imu", "/image_raw")
+    play(peer, events_of(recording, "/imu", "/image_raw"))
+    wait_for_poses(odometry, len(poses) - 2, node)
+    held_to(odometry, poses, 2)
+    assert node.end() == 0
+    peer.close()
+
+
+CASES = [bits, view, launched, unfit, faults, two_namespaces, noise, motion, fastdds]
 
 if __name__ == "__main__":
     WORK.mkdir(parents=True, exist_ok=True)

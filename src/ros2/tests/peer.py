@@ -8,6 +8,7 @@ import subprocess
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 DOMAIN = 1 + os.getpid() % 200
 # Loopback alone, without multicast: a test sends to nobody else.
@@ -112,6 +113,51 @@ class Peer:
 
     def close(self):
         self.running = False
+        self.thread.join(5)
+
+
+class FastPeer(Peer):
+    """The same by Fast DDS, in a process of its own (fastdds.cpp)."""
+
+    def __init__(self, program, transport):
+        self.process = subprocess.Popen([program, str(DOMAIN), transport], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.writers, self.readers, self.listeners = {}, [], {}
+        self.thread = threading.Thread(target=self.collect, daemon=True)
+        self.thread.start()
+
+    def frame(self, what, number, payload):
+        self.process.stdin.write(what + number.to_bytes(4, "little") + len(payload).to_bytes(4, "little") + payload)
+        self.process.stdin.flush()
+
+    def endpoint(self, what, number, topic, kind, reliable, latched):
+        self.frame(what, number, f"{reliable:d}{latched:d}1000 rt{topic} {kind.__idl_typename__}".encode())
+
+    def writer(self, topic, kind, *policies):
+        number = len(self.writers)
+        write = lambda message: self.frame(b"m", number, message.serialize())
+        self.writers[topic] = SimpleNamespace(write=write, get_matched_subscriptions=lambda: self.listeners.get(number, 0))
+        self.endpoint(b"w", number, topic, kind, BEST_EFFORT not in policies, Policy.Durability.TransientLocal in policies)
+        return self.writers[topic]
+
+    def reader(self, topic, kind):
+        number, came = len(self.readers), []
+        self.readers.append((kind, came))
+        self.endpoint(b"r", number, topic, kind, True, False)
+        return came
+
+    def collect(self):
+        while head := self.process.stdout.read(9):
+            what, number = head[:1], int.from_bytes(head[1:5], "little")
+            payload = self.process.stdout.read(int.from_bytes(head[5:], "little"))
+            if what == b"w":
+                self.listeners[number] = int(payload)
+            else:
+                kind, came = self.readers[number]
+                came.append((time.monotonic(), kind.deserialize(payload)))
+
+    def close(self):
+        self.process.stdin.close()
+        assert self.process.wait(20) == 0
         self.thread.join(5)
 
 
