@@ -15,7 +15,7 @@
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
 //! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
 //! | `flight/SENSOR/NOISE` | raw test flights: by what factor that noise is off the level of the reconciled truth, the root mean square of its logarithm over sequences; `outside`, the largest share of windows out of range |
-//! | `rest/QUANTITY` | simulated logs at rest: share of the intervals with the truth `inside`, their `median` width as a factor, how many axes are `wider` than 1.2 or `off` by 1.3 |
+//! | `rest/QUANTITY` | simulated logs at rest: share of the intervals with the truth `inside`, their `median` width as a factor, how many axes are `off` by 1.3, and, of those whose plateau has 115 independent values, `wider` than 1.2 |
 //! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, those `without` a pose, and the `summary` |
 //! | `table/NAME` | the whole table of a chapter: `study`, `step`, `courses`, `open`, `fleet` |
 //! | `inertial/TABLE` | corrections of a gyroscope: `rates`, a row a way to them; `levels`, a row a way to levels of noise |
@@ -598,7 +598,7 @@ fn value(key: &str) -> String {
             match quantity {
                 "inside" => percent(rest["truth_inside"].as_f64().unwrap()),
                 "median" => format!("{:.2}", rest["interval_median"].as_f64().unwrap()),
-                "wider" => format!("{} of {}", rest["wider_than_1.2"], rest["axes_known"]),
+                "wider" => format!("{} of {}", rest["plateau_seen_wider_than_1.2"], rest["plateau_seen"]),
                 "off" => rest["off_by_1.3"].to_string(),
                 _ => panic!("{key}: no such quantity"),
             }
