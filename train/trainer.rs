@@ -140,6 +140,8 @@ impl Trainer {
         let network = |on| Trainable::new(&config.network, &on);
         let learner = match device {
             Device::Cpu => Learner::Cpu(network(dpn_pronet::Device::Cpu)?),
+            #[cfg(feature = "ndarray")]
+            Device::Ndarray => Learner::Cpu(network(dpn_pronet::Device::ndarray())?),
             #[cfg(feature = "wgpu")]
             Device::Gpu(gpu) => {
                 let here = network(dpn_pronet::Device::Cpu)?;

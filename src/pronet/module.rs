@@ -219,4 +219,28 @@ mod tests {
         };
         assert!(ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false), "{} {}", ratio(false), ratio(true));
     }
+
+    #[cfg(feature = "ndarray")]
+    #[test]
+    #[allow(
+        deprecated,
+        reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
+    )]
+    fn flex_and_ndarray_agree_on_a_small_batch() {
+        let config = ProNetConfig { window: 60, ..ProNetConfig::default() };
+        let run = |device: Device| {
+            let device = device.autodiff();
+            let net = ProNet::new(&config, &Stream::new(8), &device).unwrap();
+            let x: Vec<f32> = (0..5 * 60).map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2).collect();
+            let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [5, 60]), &device));
+            let loss = ((sigma.clone() - 0.1) * 10.0).square().mean();
+            (floats(sigma), net.flat_gradient(&loss.backward()))
+        };
+        let (flex, ndarray) = (run(Device::flex()), run(Device::ndarray()));
+        for (a, b) in [(flex.0, ndarray.0), (flex.1, ndarray.1)] {
+            let largest = a.iter().fold(0f32, |m, v| m.max(v.abs()));
+            assert!(largest > 1e-3);
+            assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5 * largest));
+        }
+    }
 }

@@ -19,6 +19,18 @@ pub enum Device {
     Burn(burn::tensor::Device),
 }
 
+#[cfg(feature = "ndarray")]
+impl Device {
+    /// burn's older CPU backend.
+    #[allow(
+        deprecated,
+        reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
+    )]
+    pub fn ndarray() -> Self {
+        Self::Burn(burn::tensor::Device::ndarray().autodiff())
+    }
+}
+
 /// A network to be trained: parameters in, loss and gradient out.
 #[derive(Debug)]
 pub struct Trainable {

@@ -72,7 +72,7 @@ fn a_device_that_was_not_built_names_its_feature() {
     let done = end(&mut with(tiny(dir.path(), &sound(dir.path()), 1, &out), &["--device", "wgpu"]));
     done.refused(
         dir.path(),
-        "error: this dpn was built without the device `wgpu`\n\nhint: a release's archive that ends in -wgpu has it, or a build with `--features wgpu`",
+        "error: this dpn was built without the device `wgpu`\n\nhint: a release's archive that ends in -wgpu has it, or build with `--features wgpu`",
     );
     assert!(!out.exists());
 }
