@@ -4,7 +4,8 @@
 //! A stamp that does not follow on its sensor's last one, nor on what the other sensor's clock made of that time, is held back until the next messages tell:
 //!
 //! * its sensor goes on where it was: the stamp was wrong, and its message is passed over;
-//! * the other sensor's stamps jump as far: both clocks were set, or nothing was recorded; both go on as they are, with a gap between;
+//! * the other sensor's stamps jump as far: both clocks were set, or nothing was recorded. Where messages came as they were stamped, when they came tells: a clock that
+//!   was set is set back, and a gap is left; where they did not, as from a file, both go on as they are, with a gap between;
 //! * the other sensor goes on where it was: this one's clock was set. What it was set by is taken off from then on.
 //!
 //! One that runs ahead by less than that waits for its sensor's next: where that comes before it, the stamp was wrong.
@@ -13,9 +14,18 @@
 
 use dpn_core::{Stamp, named};
 use std::collections::VecDeque;
+use std::time::Instant;
 
-/// What a stamp may be off \[s\].
+/// What a stamp may be off at most \[s\], and where both sensors' messages come one by one.
 const OFF_S: f64 = 1.0;
+const NEAR_S: f64 = 0.1;
+/// By half, how messages came is forgotten after so long \[s\].
+const FORGOTTEN_S: f64 = 3.0;
+/// A clock that was set by less goes on as it is \[ns\]: that much is how messages come.
+const SET_NS: i64 = 50_000_000;
+/// So long \[s\] of stamps, and of messages that come, are held against each other; they go together within a fifth.
+const PACE_S: f64 = 2.0;
+const PACE: std::ops::Range<f64> = 0.8..1.25;
 /// Messages of a sensor whose clock was set, and of the other meanwhile, before it is said so.
 const ENOUGH: [usize; 2] = [3, 2];
 /// So many of a sensor's messages before one that runs ahead say that its stamp is wrong. Single samples overtake others; an image waits only where its stamp
@@ -54,6 +64,8 @@ struct Held<E> {
     sensor: LiveSensor,
     /// As it was stamped.
     raw: Stamp,
+    /// When it came, where that is known.
+    came: Option<Instant>,
     message: E,
 }
 
@@ -62,8 +74,9 @@ struct Held<E> {
 struct Ahead<E> {
     /// On the common time.
     t: Stamp,
-    /// The other's last stamp when it came.
+    /// The other's last stamp when it came, and when that was.
     other: Option<Stamp>,
+    came: Option<Instant>,
     message: E,
     /// How many of its sensor's messages came from before it since.
     before: usize,
@@ -76,12 +89,21 @@ struct Clock {
     last: Option<Stamp>,
     /// Time between the last two.
     step_s: f64,
+    /// When it came.
+    came: Option<Instant>,
+    /// A stamp [`PACE_S`] ago at most and when it came, and whether the time before went by as the stamps say.
+    pace_from: Option<(Stamp, Instant)>,
+    is_timely: bool,
     /// The other's last stamp then.
     other: Option<Stamp>,
     /// The newest that is held back and the other's newest then, as they were stamped.
     newest: Option<(Stamp, Stamp)>,
     /// How far the other's stamps go on between two of its own, as a rule.
     usual_s: f64,
+    /// How far its stamps are from where the other's would have them, as a rule.
+    usual_off_s: Option<f64>,
+    /// How much more or less time went by than its stamps say, as a rule.
+    usual_late_s: f64,
     /// What is taken off its stamps \[ns\].
     shift_ns: i64,
     /// How many were passed over since that stamp.
@@ -91,6 +113,28 @@ struct Clock {
     since: usize,
     same: usize,
     standing_said: bool,
+}
+
+impl Clock {
+    /// How much more time went by since the last message than the stamps say \[s\].
+    fn late_s(&self, t: Stamp, came: Option<Instant>) -> Option<f64> {
+        let (before, last) = (self.came?, self.last?);
+        Some(came?.saturating_duration_since(before).as_secs_f64() - t.seconds_since(last))
+    }
+
+    /// A message of time `t` came: whether stamps go on as time does.
+    fn keeps_pace(&mut self, t: Stamp, came: Option<Instant>) {
+        self.came = came;
+        let Some(came) = came else { return };
+        let (from, begun) = *self.pace_from.get_or_insert((t, came));
+        let stamps_s = t.seconds_since(from);
+        if stamps_s >= PACE_S {
+            self.is_timely = PACE.contains(&(came.saturating_duration_since(begun).as_secs_f64() / stamps_s));
+        }
+        if stamps_s >= PACE_S || stamps_s < 0.0 {
+            self.pace_from = Some((t, came));
+        }
+    }
 }
 
 /// Two sensors' clocks, with the messages that are held back.
@@ -128,27 +172,34 @@ impl<E> Default for LiveClocks<E> {
 }
 
 impl<E> LiveClocks<E> {
-    /// Takes a message; those that may go on, in the order in which they came, their stamps on the common time.
-    pub fn take(&mut self, sensor: LiveSensor, raw: Stamp, message: E) -> Vec<(LiveSensor, Stamp, E)> {
+    /// Takes a message and when it came, where that is known; those that may go on, in the order in which they came, their stamps on the common time.
+    pub fn take(
+        &mut self,
+        sensor: LiveSensor,
+        raw: Stamp,
+        came: Option<Instant>,
+        message: E,
+    ) -> Vec<(LiveSensor, Stamp, E)> {
         self.stands(sensor, raw);
         let t = self.common(sensor, raw);
-        if self.follows(sensor, t) {
+        if self.follows(sensor, t) && !self.comes_early(sensor, t, came) && !self.goes_with_held(sensor, raw)
+        {
             let mut ready = self.overtaken(sensor, t);
             let other = self.last(sensor.other());
             if self.ahead[sensor as usize].is_none() && self.runs_ahead(sensor, t) {
-                self.ahead[sensor as usize] = Some(Ahead { t, other, message, before: 0 });
+                self.ahead[sensor as usize] = Some(Ahead { t, other, came, message, before: 0 });
             } else {
-                ready.extend(self.goes_on(sensor, t, other, message));
+                ready.extend(self.goes_on(sensor, t, (other, came), message));
             }
             return ready;
         }
         let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
-        let agree = last.map(|last| raw.seconds_since(last).abs() <= OFF_S);
+        let agree = last.map(|last| (0.0..=OFF_S).contains(&raw.seconds_since(last)));
         if agree == Some(false) {
             // Neither here nor there: two that are wrong, each in its own way.
             self.drop_held(sensor);
         }
-        self.held.push(Held { sensor, raw, message });
+        self.held.push(Held { sensor, raw, came, message });
         let beside = self.newest(sensor.other()).map(|other| (raw, other));
         let clock = &mut self.clocks[sensor as usize];
         clock.held += 1;
@@ -191,7 +242,7 @@ impl<E> LiveClocks<E> {
         let Some(mut ahead) = self.ahead[sensor as usize].take() else { return Vec::new() };
         let still_follows = self.follows(sensor, ahead.t);
         if still_follows && t >= ahead.t {
-            return self.goes_on(sensor, ahead.t, ahead.other, ahead.message);
+            return self.goes_on(sensor, ahead.t, (ahead.other, ahead.came), ahead.message);
         }
         // A double of the last one, or one that is late, says nothing.
         ahead.before += usize::from(self.last(sensor).is_none_or(|last| t > last));
@@ -271,34 +322,54 @@ impl<E> LiveClocks<E> {
         Some(t.seconds_since(clock.last?) - other.last?.seconds_since(clock.other?))
     }
 
-    fn follows(&self, sensor: LiveSensor, t: Stamp) -> bool {
-        let clock = &self.clocks[sensor as usize];
-        let near = clock.last.is_some_and(|last| t.seconds_since(last).abs() <= OFF_S);
-        near || self.off_s(sensor, t).is_some_and(|off| off.abs() <= OFF_S)
+    /// What a stamp may be off: more where messages come in batches.
+    fn most_off_s(&self, sensor: LiveSensor) -> f64 {
+        self.clocks[sensor as usize].usual_off_s.map_or(OFF_S, |usual| (NEAR_S + 2.0 * usual).min(OFF_S))
     }
 
-    /// Lets a message through that came when the other's last stamp was `beside`, and what it tells of those that are held back.
+    fn follows(&self, sensor: LiveSensor, t: Stamp) -> bool {
+        let (Some(last), most) = (self.last(sensor), self.most_off_s(sensor)) else { return false };
+        let step_s = t.seconds_since(last);
+        (0.0..=most).contains(&step_s)
+            || step_s > 0.0 && self.off_s(sensor, t).is_some_and(|off| off.abs() <= most)
+    }
+
+    /// Whether a stamp jumped ahead of the time that went by until its message came; unknown is no.
+    fn comes_early(&self, sensor: LiveSensor, t: Stamp, came: Option<Instant>) -> bool {
+        let clock = &self.clocks[sensor as usize];
+        let late_s = clock.late_s(t, came).filter(|_| clock.is_timely);
+        late_s.is_some_and(|late_s| -late_s > NEAR_S + 2.0 * clock.usual_late_s)
+    }
+
+    /// Whether a stamp goes on from several that are held back, as its sensor's stamps do.
+    fn goes_with_held(&self, sensor: LiveSensor, raw: Stamp) -> bool {
+        let clock = &self.clocks[sensor as usize];
+        let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
+        let step_s = last.map(|last| raw.seconds_since(last));
+        clock.held > 1 && step_s.is_some_and(|step_s| step_s > 0.0 && step_s <= 1.5 * clock.step_s)
+    }
+
+    /// Lets a message through that came when the other's last stamp was the one `beside`, and what it tells of those that are held back.
     fn goes_on(
         &mut self,
         sensor: LiveSensor,
         t: Stamp,
-        beside: Option<Stamp>,
+        (beside, came): (Option<Stamp>, Option<Instant>),
         message: E,
     ) -> Vec<(LiveSensor, Stamp, E)> {
         self.drop_held(sensor);
         let mut ready = vec![(sensor, t, message)];
-        self.passed(sensor, t, beside);
+        self.passed(sensor, t, beside, came);
         let other = sensor.other();
-        let Some(first) = self.held.iter().find(|held| held.sensor == other).map(|held| held.raw) else {
-            return ready;
-        };
+        let first = self.held.iter().find(|held| held.sensor == other).map(|held| (held.raw, held.came));
+        let Some((first, came)) = first else { return ready };
         let clock = &mut self.clocks[other as usize];
         if clock.last.is_none() {
             return ready;
         }
         clock.since += 1;
         let t = self.common(other, first);
-        if self.follows(other, t) {
+        if self.follows(other, t) && !self.comes_early(other, t, came) {
             // The other one has come so far: there was nothing wrong.
             ready.extend(self.release(Some(other)));
             return ready;
@@ -313,7 +384,10 @@ impl<E> LiveClocks<E> {
             ready.extend(self.release(Some(other)));
             return ready;
         }
-        self.was_set(other, self.jump_ns(other, first), first);
+        let by_ns = self.jump_ns(other, first);
+        if by_ns.abs() >= SET_NS {
+            self.was_set(other, by_ns, first);
+        }
         ready.extend(self.release(Some(other)));
         ready
     }
@@ -386,18 +460,40 @@ impl<E> LiveClocks<E> {
         }
     }
 
-    /// Time does not go back: where these sensors' stamps do, by as much as the first of them, that is taken off.
+    /// Time does not go back, nor ahead of when messages come: where these sensors' stamps do, that is taken off, by as much as the first of them.
     fn keep_on(&mut self, sensors: &[LiveSensor]) {
         let Some(first) = self.held.iter().find(|held| sensors.contains(&held.sensor)) else { return };
-        let by_ns = self.jump_ns(first.sensor, first.raw);
-        if by_ns > -((OFF_S * 1e9) as i64) {
+        let by_ns = match self.jump_ns(first.sensor, first.raw) {
+            by_ns if by_ns > 0 => self.set_ahead_ns(first, by_ns),
+            by_ns => by_ns,
+        };
+        if by_ns.abs() < SET_NS {
             return;
         }
         let raw = first.raw;
         sensors.iter().for_each(|sensor| self.shift(*sensor, by_ns));
         let names: Vec<&str> = sensors.iter().map(|sensor| sensor.name()).collect();
         let (names, by_s) = (names.join("'s and the "), by_ns.unsigned_abs() as f64 * 1e-9);
-        self.words.push_back(format!("the {names}'s clock was set {by_s:.3} s back at {raw}; poses go on"));
+        let way = if by_ns > 0 { "ahead" } else { "back" };
+        self.words.push_back(format!("the {names}'s clock was set {by_s:.3} s {way} at {raw}; poses go on"));
+    }
+
+    /// How much of a jump ahead is not the time that went by until its first message came \[ns\]; 0 where that does not tell.
+    fn set_ahead_ns(&self, first: &Held<E>, by_ns: i64) -> i64 {
+        let clock = &self.clocks[first.sensor as usize];
+        let t = self.common(first.sensor, first.raw);
+        let Some(set_s) = clock.late_s(t, first.came).map(|late_s| -late_s).filter(|_| clock.is_timely)
+        else {
+            return 0;
+        };
+        let by_s = by_ns as f64 * 1e-9;
+        if set_s < NEAR_S.max(0.5 * by_s) {
+            0
+        } else if by_s - set_s < NEAR_S {
+            by_ns
+        } else {
+            (set_s * 1e9).round() as i64
+        }
     }
 
     /// Whether both sensors' stamps jumped, and as far; a few samples say so, one may be late.
@@ -410,7 +506,8 @@ impl<E> LiveClocks<E> {
             self.off_s(sensor, self.common(sensor, first.raw))
         };
         let [imu, camera] = LiveSensor::ALL.map(off);
-        imu.zip(camera).is_some_and(|(imu, camera)| (imu - camera).abs() <= OFF_S)
+        let most = LiveSensor::ALL.map(|sensor| self.most_off_s(sensor)).into_iter().fold(0.0, f64::max);
+        imu.zip(camera).is_some_and(|(imu, camera)| (imu - camera).abs() <= most)
     }
 
     /// Whether the other sensor says nothing that could tell.
@@ -423,13 +520,13 @@ impl<E> LiveClocks<E> {
     /// What is held back, of one sensor or of both, as it came.
     fn release(&mut self, of: Option<LiveSensor>) -> Vec<(LiveSensor, Stamp, E)> {
         let mut ready = Vec::with_capacity(self.held.len());
-        for Held { sensor, raw, message } in std::mem::take(&mut self.held) {
+        for Held { sensor, raw, came, message } in std::mem::take(&mut self.held) {
             if of.is_some_and(|of| of != sensor) {
-                self.held.push(Held { sensor, raw, message });
+                self.held.push(Held { sensor, raw, came, message });
                 continue;
             }
             let t = self.common(sensor, raw);
-            self.passed(sensor, t, self.last(sensor.other()));
+            self.passed(sensor, t, self.last(sensor.other()), came);
             ready.push((sensor, t, message));
             let clock = &mut self.clocks[sensor as usize];
             (clock.held, clock.since) = (0, 0);
@@ -437,8 +534,9 @@ impl<E> LiveClocks<E> {
         ready
     }
 
-    fn passed(&mut self, sensor: LiveSensor, t: Stamp, other: Option<Stamp>) {
+    fn passed(&mut self, sensor: LiveSensor, t: Stamp, other: Option<Stamp>, came: Option<Instant>) {
         let others_held = self.clocks[sensor.other() as usize].held;
+        let off_s = self.off_s(sensor, t).filter(|_| others_held == 0);
         let clock = &mut self.clocks[sensor as usize];
         let step = clock.last.map_or(0.0, |last| t.seconds_since(last));
         let goes_on = step > 0.0 && step <= OFF_S;
@@ -451,7 +549,14 @@ impl<E> LiveClocks<E> {
         }
         if goes_on {
             clock.step_s = step;
+            let kept = 0.5_f64.powf(step / FORGOTTEN_S);
+            if let Some(off_s) = off_s {
+                clock.usual_off_s = Some((kept * clock.usual_off_s.unwrap_or_default()).max(off_s.abs()));
+            }
+            let late_s = clock.late_s(t, came).unwrap_or_default();
+            clock.usual_late_s = (kept * clock.usual_late_s).max(late_s.abs());
         }
+        clock.keeps_pace(t, came);
         if let (Some(before), Some(now), true) = (clock.other, other, goes_on) {
             clock.usual_s = (0.998 * clock.usual_s).max(now.seconds_since(before).min(OFF_S));
             if sensor == LiveSensor::Camera && now > before && others_held == 0 {
@@ -535,7 +640,7 @@ mod tests {
         let mut clocks = LiveClocks::default();
         let mut out = Vec::new();
         for &(sensor, raw, truth) in messages {
-            let ready = clocks.take(sensor, Stamp::from_ns(raw), truth);
+            let ready = clocks.take(sensor, Stamp::from_ns(raw), None, truth);
             out.extend(ready.into_iter().map(|(sensor, t, truth)| (sensor, t.ns(), truth)));
         }
         clocks.end();
@@ -686,7 +791,7 @@ mod tests {
         // Poses keep the IMU's own stamps.
         let mut clocks = LiveClocks::default();
         for (sensor, raw, truth) in set(&[Imu], HOUR) {
-            clocks.take(sensor, Stamp::from_ns(raw), truth);
+            clocks.take(sensor, Stamp::from_ns(raw), None, truth);
         }
         let [before, after] = [1_002_000_000_000, 1_005_000_000_000].map(Stamp::from_ns);
         assert_eq!(clocks.on_imu_clock(before), before);

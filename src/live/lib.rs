@@ -18,6 +18,7 @@ mod odometry;
 mod odometry_tests;
 mod run;
 mod setup;
+mod still;
 mod watched;
 
 pub use clocks::{LiveClocks, LiveSensor};

@@ -180,6 +180,7 @@ impl Odometry {
     pub fn waiting(&self) -> Option<String> {
         let seen = if self.fed == Fed::Images { "image" } else { "frame of tracks" };
         let (sample, frame) = match self.newest {
+            _ if let Some(trouble) = self.run.trouble() => return Some(trouble),
             [None, _] => return Some("no IMU sample has come".to_owned()),
             [_, None] => return Some(format!("no {seen} has come")),
             [Some(sample), Some(frame)] => (sample, frame),

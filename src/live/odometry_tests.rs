@@ -165,7 +165,7 @@ fn settings_that_are_none_say_where() {
             let sample = |i| ImuSample {
                 t: Stamp::from_ns(5_000_000 * i64::from(i)),
                 gyro: [0.0; 3],
-                accel: [0.0, 0.0, 9.81],
+                accel: [0.0, 1e-3 * f64::from(i), 9.81],
             };
             // Noise that samples alone do not make is known as such with their rate.
             (0..100)

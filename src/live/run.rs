@@ -4,6 +4,7 @@ use super::error::LiveError;
 use super::gravity::gravity_warning;
 use super::mounting::MountingWatch;
 use super::setup::{Fed, pass_over_spikes, settings_for};
+use super::still::Still;
 use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::noise::NoiseModel;
@@ -42,7 +43,10 @@ pub struct LiveRun {
     told: Option<ImuNoise>,
     /// Until the rate is known.
     first: Vec<ImuSample>,
+    /// The last sample that was taken, and the last that went on.
     last: Option<Stamp>,
+    reached: Option<Stamp>,
+    still: Still,
     /// Frames of tracks beyond the last sample.
     ahead: VecDeque<Stamp>,
     mounting: MountingWatch,
@@ -85,6 +89,8 @@ impl LiveRun {
             told: None,
             first: Vec::new(),
             last: None,
+            reached: None,
+            still: Still::default(),
             ahead: VecDeque::new(),
             mounting: MountingWatch::default(),
             to_weigh: Some(Vec::new()),
@@ -98,15 +104,25 @@ impl LiveRun {
     /// Takes a sample.
     ///
     /// # Errors
-    /// A sample that is not later than the last or not finite, and the next one may be taken; noise that cannot be told while samples come.
+    /// A sample that is not later than the last or not finite, and the next one may be taken (one that says what the last said is held back: a sensor that stands still gives no pose); noise that cannot be told while samples come.
     pub fn feed_sample(&mut self, sample: ImuSample) -> Result<(), LiveError> {
         if let Some(last) = self.last.filter(|last| sample.t <= *last) {
             return Err(FeedError::SampleOutOfOrder { t: sample.t, last }.into());
         }
         if !sample.is_finite() {
+            self.still.refuse(sample.t);
+            self.warnings.extend(self.still.take_words());
             return Err(FeedError::NotFinite { t: sample.t }.into());
         }
         self.last = Some(sample.t);
+        let (before, goes_on) = self.still.take(sample);
+        self.warnings.extend(self.still.take_words());
+        before.into_iter().chain(goes_on.then_some(sample)).try_for_each(|sample| self.go_on(sample))
+    }
+
+    /// Takes a sample that is a measurement.
+    fn go_on(&mut self, sample: ImuSample) -> Result<(), LiveError> {
+        self.reached = Some(sample.t);
         while self.ahead.front().is_some_and(|t| *t <= sample.t) {
             self.ahead.pop_front();
         }
@@ -141,7 +157,7 @@ impl LiveRun {
             self.estimator.feed_image(image_at_working_size(image.to_image()).view(), t)
         };
         fed.map_err(|error| match error {
-            FeedError::ImuBehind { first, waiting, .. } if self.last.is_some_and(|last| first <= last) => {
+            FeedError::ImuBehind { first, waiting, .. } if self.reached.is_some_and(|last| first <= last) => {
                 LiveError::NotTaken { t, waiting }
             }
             error => error.into(),
@@ -159,7 +175,7 @@ impl LiveRun {
             return Err(FeedError::ImuBehind { t, first: *first, waiting: self.ahead.len() }.into());
         }
         self.estimator.feed_frame(frame)?;
-        if self.last.is_none_or(|last| t > last) {
+        if self.reached.is_none_or(|last| t > last) {
             self.ahead.push_back(t);
         }
         Ok(())
@@ -185,7 +201,7 @@ impl LiveRun {
         update
     }
 
-    /// What turned out to be wrong, each once: the accelerometer's unit, noise that the spectrum contradicts, and how the camera is said to be mounted, as soon as its turns and the gyro's tell.
+    /// What turned out to be wrong, each once: values that stand still or are no numbers, the accelerometer's unit, noise that the spectrum contradicts, and how the camera is said to be mounted, as soon as its turns and the gyro's tell.
     pub fn take_warning(&mut self) -> Option<String> {
         self.warnings.pop_front()
     }
@@ -209,6 +225,7 @@ impl LiveRun {
     /// Nothing more comes, and all updates were taken: what only the whole of it says is a warning from here on.
     pub fn look_back(&mut self) {
         self.weigh(0);
+        self.warnings.extend(self.still.bad_words());
         let turns = self.estimator.images().turns();
         self.warnings.extend(self.mounting.last_warning(turns));
         let against = self.doubts();
@@ -234,11 +251,22 @@ impl LiveRun {
     /// # Errors
     /// Noise that cannot be told, where so few samples came that nobody asked before.
     pub fn end(&mut self) -> Result<(), LiveError> {
+        self.still.end().into_iter().try_for_each(|sample| self.go_on(sample))?;
         if self.noise.is_none() && self.first.len() > 1 {
             self.settle()?;
         }
         self.estimator.end_imu();
         Ok(())
+    }
+
+    /// The last sample's stamp that the odometry has.
+    pub(crate) fn reached(&self) -> Option<Stamp> {
+        self.reached
+    }
+
+    /// What keeps samples from it now.
+    pub(crate) fn trouble(&self) -> Option<String> {
+        self.still.trouble()
     }
 
     /// Totals so far.

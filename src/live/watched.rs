@@ -206,7 +206,7 @@ impl<'a, L: Listener> Watched<'a, L> {
         if was_silent {
             self.say(format_args!("note: the {} is heard again, at {t}", sensor.name()));
         }
-        let ready = self.clocks.take(sensor, t, message);
+        let ready = self.clocks.take(sensor, t, Some(now), message);
         self.clock_words();
         ready.into_iter().try_for_each(|(_, t, message)| self.feed(t, message))?;
         self.silences(None);
@@ -242,7 +242,9 @@ impl<'a, L: Listener> Watched<'a, L> {
             return;
         }
         self.without = Some((since, came, true));
-        let waits = self.waits.as_deref().unwrap_or("no image has samples on both sides of it");
+        let trouble = self.run.trouble();
+        let waits = trouble.or(self.waits.clone());
+        let waits = waits.as_deref().unwrap_or("no image has samples on both sides of it");
         let words = match self.totals.poses {
             0 => format!("note: no pose yet: {waits}"),
             _ => format!("note: no pose since {}: {waits}", self.clocks.on_imu_clock(since)),
@@ -303,6 +305,7 @@ impl<'a, L: Listener> Watched<'a, L> {
                 self.images.extend(image);
             }
         }
+        self.warnings();
         self.updates()?;
         if let Some((t, _)) = image {
             self.look(t);
@@ -367,7 +370,7 @@ impl<'a, L: Listener> Watched<'a, L> {
     fn look(&mut self, t: Stamp) {
         let since = *self.seen.get_or_insert(t);
         // Without samples no image is looked at.
-        let t = self.clocks.last(LiveSensor::Imu).map_or(since, |sample| sample.min(t));
+        let t = self.run.reached().map_or(since, |sample| sample.min(t));
         let dark = t.seconds_since(since) >= self.patience_s();
         let is_heard = !self.streams[LiveSensor::Imu as usize].silent;
         if dark && is_heard && !std::mem::replace(&mut self.blind, true) {

@@ -7,6 +7,7 @@ use dpn_live::{Fed, Listener, LiveError, LiveRun, Seen, Watched};
 use dpn_testing::forged::Draw;
 use dpn_testing::{Disturbed, SensorFaults};
 use dpn_vio::EstimatorConfig;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 /// Seconds from which on nothing is disturbed any more, and of the whole.
@@ -53,6 +54,9 @@ impl Listener for Notes {
     }
 }
 
+/// Flown once for all tests.
+static FLOWN: LazyLock<Flown> = LazyLock::new(|| Flown::new([200.0, 10.0]));
+
 /// The odometry, made quick.
 fn quick() -> EstimatorConfig {
     let mut config = EstimatorConfig::default();
@@ -79,7 +83,7 @@ pub(crate) fn play(
 ) -> Result<(), LiveError> {
     let said: Vec<_> = flown.said(from_s, for_s).collect();
     let at = |s: f64| begun + Duration::from_secs_f64(s);
-    for Disturbed { comes_s, place, by_s, dark, wild } in
+    for Disturbed { comes_s, place, by_s, dark, wild, says } in
         faults.played(said.iter().map(|(at, is_image, _)| (*at, *is_image)), draw)
     {
         let comes_s = at_s + comes_s;
@@ -88,6 +92,7 @@ pub(crate) fn play(
             watched.silences(Some(at(watched.listener.now_s)));
         }
         watched.listener.now_s = comes_s;
+        let says = said[says.unwrap_or(place)].2;
         let (_, is_image, place) = said[place];
         if is_image {
             let (t, image) = flown.image(place);
@@ -95,7 +100,7 @@ pub(crate) fn play(
             let image = if dark { black() } else { image.clone() };
             watched.take_image(t.plus_seconds(by_s), Ok(image), at(comes_s))?;
         } else {
-            let sample = flown.sample(place);
+            let sample = ImuSample { t: flown.sample(place).t, ..flown.sample(says) };
             let accel = wild.map_or(sample.accel, |value| [value; 3]);
             watched
                 .take_sample(ImuSample { t: sample.t.plus_seconds(by_s), accel, ..sample }, at(comes_s))?;
@@ -156,14 +161,14 @@ fn chaos(plans: std::ops::Range<usize>) {
     let number = |name: &str, or: u64| std::env::var(name).map_or(or, |text| text.parse().unwrap());
     let seed = number("DPN_CHAOS_SEED", 20_261_122);
     let begun = Instant::now();
-    let flown = Flown::new([200.0, 10.0]);
+    let flown = &*FLOWN;
     let made = begun.elapsed();
     let mut bad = Vec::new();
     for plan in plans.clone() {
         if plan > 0 && plan % 1000 == 0 {
             eprintln!("{plan} plans, {} bad, {:.0?}", bad.len(), begun.elapsed());
         }
-        let one = std::panic::catch_unwind(|| fault(&flown, plan, seed));
+        let one = std::panic::catch_unwind(|| fault(flown, plan, seed));
         if let Err(words) = one.unwrap_or_else(|_| Err("a panic".into())) {
             eprintln!("plan {plan} of seed {seed}: {words}\n");
             bad.push(plan);
@@ -176,6 +181,74 @@ fn chaos(plans: std::ops::Range<usize>) {
         begun.elapsed()
     );
     assert!(bad.is_empty(), "plans {bad:?} of seed {seed}");
+}
+
+/// A run whose sensors are disturbed so from six seconds on.
+fn run_with(flown: &Flown, faults: &SensorFaults) -> Notes {
+    let calibration = Flown::calibration();
+    let run = LiveRun::new(&quick(), "x1".parse().unwrap(), Vec::new(), &calibration.camera, Fed::Images, 0)
+        .unwrap();
+    let mut watched = Watched::new(run, &calibration, Notes::default());
+    let mut draw = Draw::new(1, "with");
+    play(&mut watched, flown, [0.0, LENGTH_S], faults, &mut draw, (Instant::now(), 0.0)).unwrap();
+    watched.end().unwrap();
+    watched.listener
+}
+
+/// The longest time without a pose after so many seconds \[s\].
+fn longest_gap(notes: &Notes, from_s: f64) -> f64 {
+    let poses = notes.poses.iter().map(|(at, _)| *at).filter(|at| *at > from_s);
+    let all: Vec<f64> = [from_s].into_iter().chain(poses).chain([LENGTH_S]).collect();
+    all.windows(2).map(|two| two[1] - two[0]).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_clock_that_is_set_by_less_than_a_second_is_said_and_poses_come_again() {
+    let flown = &FLOWN;
+    for of in [[true, false], [false, true], [true, true]] {
+        for by in [0.4, 0.1, -0.25, -0.9] {
+            let faults = SensorFaults { set: Some((of, 6.0, by)), ..SensorFaults::default() };
+            let notes = run_with(flown, &faults);
+            let words = &notes.words;
+            let most_s = if f64::abs(by) > 0.1 { 0.5 } else { AGAIN_S };
+            assert!(longest_gap(&notes, 6.0) < most_s, "{of:?} {by}: {words:?}");
+            let way = if by > 0.0 { "ahead" } else { "back" };
+            let set = format!("clock was set {:.3} s {way} at ", f64::abs(by));
+            let said = words.iter().filter(|(_, said)| said.contains(&set)).count();
+            assert!(said == 1 || f64::abs(by) <= 0.1, "{of:?} {by}: {words:?}");
+        }
+    }
+}
+
+#[test]
+fn an_imu_whose_values_stand_still_is_said_and_has_no_pose() {
+    let flown = &FLOWN;
+    let faults = SensorFaults { frozen: Some([6.0, 9.0]), ..SensorFaults::default() };
+    let notes = run_with(flown, &faults);
+    let at = |words: &str| notes.words.iter().find(|(_, said)| said.starts_with(words)).map(|(at, _)| *at);
+    assert!(
+        at("warning: the IMU's values stand still since ").is_some_and(|at| at < 8.0),
+        "{:?}",
+        notes.words
+    );
+    assert!(at("warning: no point is followed").is_none(), "{:?}", notes.words);
+    assert!(!notes.poses.iter().any(|(at, _)| (6.1..9.0).contains(at)), "{:?}", notes.poses);
+    assert!(longest_gap(&notes, 9.0) < AGAIN_S, "{:?}", notes.words);
+}
+
+#[test]
+fn an_imu_without_numbers_is_named_and_no_dark_images() {
+    let flown = &FLOWN;
+    let faults = SensorFaults { good_s: f64::MAX, nan: true, ..SensorFaults::default() };
+    let words: Vec<String> = run_with(flown, &faults).words.into_iter().map(|(_, words)| words).collect();
+    assert!(!words.iter().any(|words| words.contains("dark")), "{words:?}");
+    let named =
+        |words: &&String| words.contains("2500 of 2500 IMU samples have NaN or infinite values, first at ");
+    assert_eq!(words.iter().filter(named).count(), 1, "{words:?}");
+    assert!(
+        words.iter().any(|words| words.starts_with("note: no pose yet: 461 of 461 IMU samples")),
+        "{words:?}"
+    );
 }
 
 #[test]
