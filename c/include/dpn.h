@@ -137,8 +137,10 @@ typedef uint64_t dpn_gyro_bias;
 typedef struct {
   // Row by row.
   double matrix[9];
-  // The calibration's bias and the network's average [rad/s].
+  // The calibration's bias, the network's average and what gravity tells beside them [rad/s].
   double bias[3];
+  // Its deviation by axis [rad/s].
+  double deviation[3];
   // 0 until the network has seen as much past as it looks at: the bias is the calibration's then.
   uint8_t known;
   // 1 while samples come at a rate more than 5 % off the network's: thin or resample them.

@@ -16,8 +16,10 @@ static BIASES: Table<Running> = Table::new("gyro_bias");
 pub struct GyroCorrection {
     /// Row by row.
     pub matrix: [f64; 9],
-    /// The calibration's bias and the network's average [rad/s].
+    /// The calibration's bias, the network's average and what gravity tells beside them [rad/s].
     pub bias: [f64; 3],
+    /// Its deviation by axis [rad/s].
+    pub deviation: [f64; 3],
     /// 0 until the network has seen as much past as it looks at: the bias is the calibration's then.
     pub known: u8,
     /// 1 while samples come at a rate more than 5 % off the network's: thin or resample them.
@@ -85,6 +87,12 @@ impl From<Correction> for GyroCorrection {
     fn from(of: Correction) -> Self {
         let mut matrix = [0.0; 9];
         matrix.copy_from_slice(of.matrix.transpose().as_slice());
-        Self { matrix, bias: of.bias.into(), known: u8::from(of.known), wrong_rate: u8::from(of.wrong_rate) }
+        Self {
+            matrix,
+            bias: of.bias.into(),
+            deviation: of.deviation.into(),
+            known: u8::from(of.known),
+            wrong_rate: u8::from(of.wrong_rate),
+        }
     }
 }

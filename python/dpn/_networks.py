@@ -119,13 +119,15 @@ class Stream:
 class Correction(NamedTuple):
     """What takes a reading of the gyroscope to a rate: ``matrix @ reading + bias``, as it holds at the newest sample.
 
-    ``matrix`` (3, 3), ``bias`` (3,) [rad/s]: slow; give it to an estimator as its bias, and correct no sample by anything quicker.
+    ``matrix`` (3, 3), ``bias`` (3,) [rad/s]: slow; give it to an estimator as its bias, with its ``deviation`` (3,) [rad/s], and correct no
+    sample by anything quicker.
     ``known``: False until the network has seen as much past as it looks at, the bias is the calibration's then. ``rate_fits``: False
     while samples come at a rate more than 5 % off the network's; nothing is resampled.
     """
 
     matrix: NDArray[np.float64]
     bias: NDArray[np.float64]
+    deviation: NDArray[np.float64]
     known: bool
     rate_fits: bool
 
@@ -145,8 +147,8 @@ class GyroBias:
 
     def correction(self) -> Correction:
         """What holds at the newest sample."""
-        matrix, bias, known, rate_fits = self._inner.correction()
-        return Correction(np.array(matrix), np.array(bias), known, rate_fits)
+        matrix, bias, deviation, known, rate_fits = self._inner.correction()
+        return Correction(np.array(matrix), np.array(bias), np.array(deviation), known, rate_fits)
 
 
 class Training(NamedTuple):

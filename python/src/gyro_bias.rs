@@ -23,9 +23,9 @@ impl GyroBias {
         self.running.feed(&ImuSample { t: Stamp::from_ns(t_ns), gyro, accel }).map_err(|e| raise(&e))
     }
 
-    /// Rows of the matrix, bias, whether it is known, whether the rate fits.
-    fn correction(&self) -> ([[f64; 3]; 3], [f64; 3], bool, bool) {
+    /// Rows of the matrix, bias, its deviation, whether it is known, whether the rate fits.
+    fn correction(&self) -> ([[f64; 3]; 3], [f64; 3], [f64; 3], bool, bool) {
         let of = self.running.correction();
-        (of.matrix.transpose().data.0, of.bias.into(), of.known, !of.wrong_rate)
+        (of.matrix.transpose().data.0, of.bias.into(), of.deviation.into(), of.known, !of.wrong_rate)
     }
 }

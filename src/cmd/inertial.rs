@@ -138,7 +138,7 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
             [own, other].map(|of| of.into_iter().map(|(_, residuals)| residuals).collect::<Vec<_>>());
         Ok(Row {
             sequence: one.0.name.clone(),
-            sources: sources(&one.0, &affine.affine, &models, config.average_s),
+            sources: sources(&one.0, &affine, &models, &config),
             spans: residuals(one)?.scores(&own, &other),
         })
     };
@@ -185,11 +185,12 @@ fn said(course: &Course, data_sheet: Option<Levels>, specs: &[Causal<'_>]) -> Re
     Ok(all)
 }
 
-/// Errors over spans, means over the sequences; of networks the first and the mean, and without raw ones, which are off by a hundred times more.
+/// Errors over spans, means over the sequences; of networks the first as it is and with all that is taken from it, and without raw ones, which are off by a hundred times more.
 fn turns(rows: &[Row]) -> Vec<TurnErrors> {
     let sources = || rows[0].sources.iter().enumerate();
     let is_one = |source: &Source| source.name.starts_with("network ");
-    let first: Vec<usize> = sources().filter(|(_, source)| is_one(source)).map(|(i, _)| i).take(2).collect();
+    let is_end = |source: &Source| is_one(source) && !source.name.ends_with(" averaged");
+    let first: Vec<usize> = sources().filter(|(_, source)| is_end(source)).map(|(i, _)| i).take(2).collect();
     let drawn =
         sources().filter(|(i, source)| source.name != "raw" && (!is_one(source) || first.contains(i)));
     let one = |(i, source): (usize, &Source)| {

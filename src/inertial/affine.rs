@@ -6,7 +6,7 @@
 
 use crate::course::Course;
 use dpn_core::geometry::so3;
-use dpn_core::signal::stats::{median, median_of};
+use dpn_core::signal::stats::{Ddof, deviation, median, median_of};
 use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,8 @@ const LEAST_GROUPS: usize = 8;
 const PRIOR: f64 = 1.0;
 /// The same of one that is held.
 const HELD: f64 = 1e12;
+/// Deviation of a recording's bias where there is no other to tell \[rad/s\].
+pub(crate) const UNKNOWN_SPREAD: f64 = 1e-3;
 
 /// What takes a reading to a rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -76,6 +78,8 @@ pub struct Fitted {
     pub std: Affine,
     /// The median residual over a span \[rad\].
     pub residual: f64,
+    /// How far recordings' own biases lie apart, each with this matrix, a deviation by axis \[rad/s\]; 1 mrad/s where there is one recording.
+    pub spread: [f64; 3],
     /// Spans that were held against true turns.
     pub spans: usize,
 }
@@ -148,9 +152,27 @@ pub fn fit(courses: &[&Course], unknown: Unknown) -> Option<Fitted> {
         affine =
             Affine { matrix: affine.matrix + matrix(&step), bias: affine.bias + step.fixed_rows::<3>(0) };
         let std = Affine { matrix: matrix(&std), bias: std.fixed_rows::<3>(0).into() };
-        out = Some(Fitted { affine, std, residual: typical, spans: rows.len() });
+        let spread = of_recordings(&groups, parts);
+        out = Some(Fitted { affine, std, residual: typical, spread, spans: rows.len() });
     }
     out
+}
+
+/// A group's normal equations.
+type Group = (SMatrix<f64, UNKNOWNS, UNKNOWNS>, SVector<f64, UNKNOWNS>);
+
+/// Deviation of the recordings' own biases, each recording `parts` groups.
+fn of_recordings(groups: &[Group], parts: usize) -> [f64; 3] {
+    let own = |of: &[Group]| {
+        let (h, g) =
+            of.iter().fold((SMatrix::zeros(), SVector::zeros()), |(h, g), (a, b): &Group| (h + a, g + b));
+        Some(h.fixed_view::<3, 3>(0, 0).cholesky()?.solve(&g.fixed_rows::<3>(0)))
+    };
+    let own: Vec<Vector3<f64>> = groups.chunks(parts).filter_map(own).collect();
+    if own.len() < 2 {
+        return [UNKNOWN_SPREAD; 3];
+    }
+    std::array::from_fn(|axis| deviation(&own.iter().map(|bias| bias[axis]).collect::<Vec<_>>(), Ddof::One))
 }
 
 /// What a residual of that size weighs, by the median one (Huber).

@@ -37,6 +37,8 @@ pub struct InertialConfig {
     pub bias: [f64; 2],
     /// The correction is averaged over so many seconds of past where it is scored. Default 20, chosen in the same way.
     pub average_s: f64,
+    /// Deviation of the body's velocity \[m/s\], by which gravity tells the bias across it; 0: gravity is not asked. Default .5, chosen on EuRoC and raw TUM-VI in the same way: more where a body stays faster (a car).
+    pub speed: f64,
 }
 
 impl Default for InertialConfig {
@@ -57,6 +59,7 @@ impl Default for InertialConfig {
             noise: [8e-5, 1e-3],
             bias: [1e-3, 1e-3],
             average_s: 20.0,
+            speed: 0.5,
         }
     }
 }
@@ -93,6 +96,7 @@ impl Validate for InertialConfig {
             values.into_iter().for_each(|value| faults.not_negative(key, value));
         }
         faults.not_negative("average_s", self.average_s);
+        faults.not_negative("speed", self.speed);
         faults.0
     }
 }

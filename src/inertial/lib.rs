@@ -5,7 +5,8 @@
 //! 3. `network`: a causal convolution over 2.5 s of six axes (at 200 Hz) that says what is to be added to the rate; forth and back.
 //! 4. `loss`: Huber's on products of increments over spans of samples, as a tree.
 //! 5. `training`, `model`: from courses and a configuration to a file; `running`: asked beside running samples; `onnx`: for other runtimes.
-//! 6. `score`, `spans`: the field's figures by the names of who defined them, and the likelihood of what is said of the errors.
+//! 6. `gravity`: the bias that gravity tells beside it, where a body stays slow.
+//! 7. `score`, `spans`: the field's figures by the names of who defined them, and the likelihood of what is said of the errors.
 //!
 //! Rotations are `world_from_body`; rates are of the body, in its frame \[rad/s\]. No files here.
 
@@ -14,6 +15,7 @@
 mod affine;
 mod config;
 mod course;
+mod gravity;
 mod loss;
 mod model;
 mod network;
@@ -28,6 +30,6 @@ pub use config::InertialConfig;
 pub use course::{Course, CourseError};
 pub use model::Model;
 pub use running::{Correction, Running};
-pub use score::{Score, Source, TURNS_S, Turn, sources};
+pub use score::{Score, SlowBias, Source, TURNS_S, Turn, sources};
 pub use spans::{Levels, Residuals, SPANS_S, Said, SpanScore};
 pub use training::{Training, TrainingError, same_rate};

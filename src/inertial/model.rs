@@ -1,6 +1,6 @@
 //! A trained network with what it needs to be used rightly, in a file.
 
-use crate::affine::Fitted;
+use crate::affine::{Fitted, UNKNOWN_SPREAD};
 use crate::config::InertialConfig;
 use crate::course::Course;
 use crate::network;
@@ -30,6 +30,9 @@ pub struct Card {
     pub config: InertialConfig,
     /// The affine calibration it starts from.
     pub affine: crate::Affine,
+    /// How far the training recordings' biases lie apart, a deviation by axis \[rad/s\].
+    #[serde(default = "unknown_spread")]
+    pub spread: [f64; 3],
     /// Means of the six axes, gyroscope first, that are taken from readings,
     pub mean: [f64; 6],
     /// and deviations that they are divided by.
@@ -38,6 +41,10 @@ pub struct Card {
     pub rate: SampleRate,
     /// Checksums of the recordings it was trained on.
     pub data: Vec<String>,
+}
+
+fn unknown_spread() -> [f64; 3] {
+    [UNKNOWN_SPREAD; 3]
 }
 
 /// A network.
@@ -65,6 +72,7 @@ impl Model {
             usage: USE.to_owned(),
             config: config.clone(),
             affine: fitted.affine,
+            spread: fitted.spread,
             mean: axes.each_ref().map(|axis| mean(axis)),
             deviation: axes.each_ref().map(|axis| deviation(axis, Ddof::Zero).max(1e-6)),
             rate: courses[0].rate,
@@ -120,8 +128,9 @@ impl Model {
         let (card, mut tensors): (Card, _) = store::from_bytes(FORMAT, bytes, path)?;
         let unusable = |detail: String| StoreError::Description { path: path.to_owned(), detail };
         card.config.validate().map_err(|e| unusable(e.to_string()))?;
-        if !card.deviation.iter().all(|d| *d > 0.0) {
-            return Err(unusable(format!("deviations of {:?}", card.deviation)));
+        if !card.deviation.iter().all(|d| *d > 0.0) || !card.spread.iter().all(|d| *d >= 0.0 && d.is_finite())
+        {
+            return Err(unusable(format!("deviations of {:?} and {:?}", card.deviation, card.spread)));
         }
         let mut parameters = Vec::with_capacity(network::count());
         for (name, shape, _) in network::parameters() {

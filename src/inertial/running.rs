@@ -2,6 +2,7 @@
 //!
 //! Each layer keeps as many of its inputs as its kernel spans, so that an answer costs one column a layer. Answers are those of [`Model::corrections`], averaged as they are scored.
 
+use crate::gravity::{Gravity, beforehand};
 use crate::model::{Model, UNIT};
 use crate::network::{self, Layer};
 use dpn_core::{ImuSample, Stamp};
@@ -19,8 +20,10 @@ const MOST: f64 = 1.0;
 pub struct Correction {
     /// `matrix * reading + bias` is the rate.
     pub matrix: Matrix3<f64>,
-    /// The calibration's bias and the network's, averaged over the last `average_s` \[rad/s\]. Slow: no sample is to be corrected by less than this average.
+    /// The calibration's bias, the network's, averaged over the last `average_s`, and what gravity tells beside them \[rad/s\]. Slow: no sample is to be corrected by less than this average.
     pub bias: Vector3<f64>,
+    /// Deviation of the bias, by axis \[rad/s\]: what gravity leaves of how far training recordings' biases lie apart.
+    pub deviation: Vector3<f64>,
     /// Whether the network has seen as much past as it looks at, all of it such as a sensor measures; else the bias is the calibration's.
     pub known: bool,
     /// Whether samples come at a rate more than 5 % off the network's; nothing is resampled.
@@ -40,6 +43,9 @@ pub struct Running {
     answer: Vector3<f64>,
     average: Average,
     mean: Option<Vector3<f64>>,
+    gravity: Gravity,
+    /// The newest sample's rate, by calibration and average, and its specific force.
+    newest: [Vector3<f64>; 2],
 }
 
 impl Running {
@@ -47,8 +53,18 @@ impl Running {
     pub fn new(model: Model) -> Self {
         let average = Average::over((model.card.config.average_s * model.card.rate.hz()) as usize);
         let gate = Gate::new(model.card.rate);
-        let mut new =
-            Self { model, gate, past: Vec::new(), seen: 0, answer: Vector3::zeros(), average, mean: None };
+        let gravity = Gravity::new(&model.card.spread, model.card.config.speed);
+        let mut new = Self {
+            model,
+            gate,
+            past: Vec::new(),
+            seen: 0,
+            answer: Vector3::zeros(),
+            average,
+            mean: None,
+            gravity,
+            newest: [Vector3::zeros(); 2],
+        };
         new.begin();
         new
     }
@@ -68,6 +84,10 @@ impl Running {
         if before.is_some_and(is_hole) {
             self.begin();
         }
+        if let Some(before) = before {
+            let [rate, force] = &self.newest;
+            self.gravity.push(rate, force, sample.t.seconds_since(before));
+        }
         let axis = |i: usize| if i < 3 { sample.gyro[i] } else { sample.accel[i - 3] };
         let reading: Vec<f32> = (0..6).map(|i| self.model.seen(i, axis(i))).collect();
         if self.seen == 0 {
@@ -80,13 +100,15 @@ impl Running {
         self.seen += 1;
         // NaN is below nothing.
         let is_a_bias = self.answer.amax() < MOST;
+        if is_a_bias {
+            self.average.push(self.answer);
+        }
+        let slow = self.average.mean();
+        self.newest = [self.model.card.affine.apply(&sample.gyro.into()) + slow, sample.accel.into()];
         if !is_a_bias {
             self.mean = None;
-            return Ok(());
-        }
-        let mean = self.average.push(self.answer);
-        if self.seen >= network::PAST {
-            self.mean = Some(mean);
+        } else if self.seen >= network::PAST {
+            self.mean = Some(slow);
         }
         Ok(())
     }
@@ -112,9 +134,14 @@ impl Running {
     /// What holds at the newest sample.
     pub fn correction(&self) -> Correction {
         let affine = &self.model.card.affine;
+        let (bias, deviation) = match self.mean {
+            Some(mean) => (mean + self.gravity.bias(), self.gravity.deviation()),
+            None => (Vector3::zeros(), beforehand(&self.model.card.spread)),
+        };
         Correction {
             matrix: affine.matrix,
-            bias: affine.bias + self.mean.unwrap_or_default(),
+            bias: affine.bias + bias,
+            deviation,
             known: self.mean.is_some(),
             wrong_rate: self.gate.wrong_rate(),
         }
@@ -155,7 +182,12 @@ impl Average {
         if self.values.len() > self.past {
             self.sum -= self.values.pop_front().expect("there is one");
         }
-        self.sum / self.values.len() as f64
+        self.mean()
+    }
+
+    /// The mean; nothing before the first value.
+    pub(crate) fn mean(&self) -> Vector3<f64> {
+        self.sum / self.values.len().max(1) as f64
     }
 }
 
@@ -163,6 +195,7 @@ impl Average {
 mod tests {
     use super::*;
     use crate::course::{Course, simulated};
+    use crate::gravity::steadied;
     use crate::{Affine, InertialConfig, Unknown, fit};
     use dpn_core::random;
     use rand::Rng;
@@ -196,8 +229,12 @@ mod tests {
         let means: Vec<_> = model.corrections(&course).into_iter().map(|c| average.push(c)).collect();
         assert!(means[1500].amax() > 1e-3, "no answer to compare: {}", means[1500]);
         let affine: Affine = model.card.affine;
+        let calibrated: Vec<_> = course.gyro.iter().map(|reading| affine.apply(reading)).collect();
+        let slow: Vec<_> = calibrated.iter().zip(&means).map(|(rate, mean)| rate + mean).collect();
+        let steady = steadied(&course, &slow, &model.card.spread, 0.5);
+        assert!((steady[1500][0] - slow[1500]).amax() > 1e-5, "gravity says nothing");
         let mut running = Running::new(model);
-        for (i, mean) in means.iter().enumerate() {
+        for (i, (steady, calibrated)) in steady.iter().zip(&calibrated).enumerate() {
             let good = sample(&course, i);
             running.feed(&good).unwrap();
             assert!(
@@ -206,7 +243,13 @@ mod tests {
             );
             let found = running.correction();
             assert_eq!((found.known, found.matrix), (i + 1 >= network::PAST, affine.matrix));
-            let wanted = affine.bias + if found.known { *mean } else { Vector3::zeros() };
+            let (off, std) = if found.known {
+                (steady[0] - calibrated, steady[2])
+            } else {
+                (Vector3::zeros(), Vector3::repeat(1.5e-3))
+            };
+            let wanted = affine.bias + off;
+            assert!((found.deviation - std).amax() < 1e-12, "{i}: {} {std}", found.deviation);
             assert!((found.bias - wanted).amax() < 1e-7, "{i}: {} {wanted}", found.bias);
         }
         assert!(!running.correction().wrong_rate);

@@ -5,8 +5,10 @@
 //! * `roe_deg`, AirIMU's relative orientation error: the mean angle after a span (theirs is a second), begun anew at the truth each time.
 //! * `quick_deg`, ours: the same after the course's own mean bias was taken out, which leaves what is quicker than a sequence.
 
-use crate::affine::{Unknown, fit};
+use crate::affine::{Fitted, Unknown, fit};
+use crate::config::InertialConfig;
 use crate::course::Course;
+use crate::gravity::steadied;
 use crate::model::Model;
 use crate::running::Average;
 use dpn_core::geometry::so3;
@@ -17,6 +19,8 @@ use serde::Serialize;
 pub const TURNS_S: [f64; 7] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 60.0];
 /// A span begins this much after the one before it, or where that ends \[s\].
 const APART_S: f64 = 1.0;
+/// A bias' deviation is judged from the first on, so far apart \[s\].
+const TOLD_S: [f64; 2] = [20.0, 10.0];
 /// Samples to a step of the running bias.
 const SPAN: usize = 32;
 
@@ -54,14 +58,39 @@ pub struct Source {
     pub name: String,
     /// Its score.
     pub score: Score,
+    /// What the deviation of its bias is worth, where it says one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slow: Option<SlowBias>,
 }
 
-/// Every way to rates of a course: raw, affine, a network's and its average over `average_s` of past, the mean of such averages where there are several, and what knows the truth of this course.
-pub fn sources(course: &Course, affine: &crate::Affine, models: &[Model], average_s: f64) -> Vec<Source> {
+/// What a bias with its deviation is worth, every ten seconds from 20 s on, against the course's own mean bias.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlowBias {
+    /// Mean square of the error in deviations, over instants and axes.
+    pub nees: f64,
+    /// Mean negative logarithm of the likelihood of three axes, in rad/s, without its constant;
+    pub nll: f64,
+    /// the same without gravity: the training recordings' spread as the deviation.
+    pub nll_spread: f64,
+}
+
+/// Every way to rates of a course: raw, affine, a network's and its average over `average_s` of past, slow ones with what gravity tells, and what knows the truth of this course.
+pub fn sources(course: &Course, fitted: &Fitted, models: &[Model], config: &InertialConfig) -> Vec<Source> {
     let raw = &course.gyro;
-    let calibrated: Vec<_> = raw.iter().map(|reading| affine.apply(reading)).collect();
-    let mut all = vec![("raw".to_owned(), raw.clone()), ("affine".to_owned(), calibrated.clone())];
-    let mut together = vec![Vector3::zeros(); course.len()];
+    let calibrated: Vec<_> = raw.iter().map(|reading| fitted.affine.apply(reading)).collect();
+    let steady = |name: String, rates: &[Vector3<f64>]| {
+        let told = steadied(course, rates, &fitted.spread, config.speed);
+        let slow = (config.speed > 0.0).then(|| slow_bias(course, rates, &told, &fitted.spread)).flatten();
+        let rates = told.iter().map(|[rate, ..]| *rate).collect::<Vec<_>>();
+        Source { name, score: score(course, &rates), slow }
+    };
+    let plain =
+        |name: String, rates: &[Vector3<f64>]| Source { name, score: score(course, rates), slow: None };
+    let mut all = vec![
+        plain("raw".to_owned(), raw),
+        plain("affine".to_owned(), &calibrated),
+        steady("affine, gravity".to_owned(), &calibrated),
+    ];
     for model in models {
         let corrections = model.corrections(course);
         let base: Vec<_> = raw.iter().map(|reading| model.card.affine.apply(reading)).collect();
@@ -69,18 +98,40 @@ pub fn sources(course: &Course, affine: &crate::Affine, models: &[Model], averag
             base.iter().zip(corrections).map(|(b, c)| b + c).collect()
         };
         let seed = model.card.config.seed;
-        all.push((format!("network {seed}"), sum(&corrections)));
-        let slow = sum(&averaged(&corrections, (average_s * course.rate.hz()) as usize));
-        together.iter_mut().zip(&slow).for_each(|(mean, rate)| *mean += rate / models.len() as f64);
-        all.push((format!("network {seed} averaged"), slow));
-    }
-    if models.len() > 1 {
-        all.push(("networks averaged, their mean".to_owned(), together));
+        all.push(plain(format!("network {seed}"), &sum(&corrections)));
+        let slow = sum(&averaged(&corrections, (config.average_s * course.rate.hz()) as usize));
+        all.push(plain(format!("network {seed} averaged"), &slow));
+        all.push(steady(format!("network {seed} averaged, gravity"), &slow));
     }
     let bias = own_bias(course, raw);
-    all.push(("raw, its own mean bias".to_owned(), raw.iter().map(|rate| rate + bias).collect()));
-    all.push(("affine, running bias".to_owned(), running(course, &calibrated)));
-    all.into_iter().map(|(name, rates)| Source { name, score: score(course, &rates) }).collect()
+    let own: Vec<_> = raw.iter().map(|rate| rate + bias).collect();
+    all.push(plain("raw, its own mean bias".to_owned(), &own));
+    all.push(plain("affine, running bias".to_owned(), &running(course, &calibrated)));
+    all
+}
+
+/// What gravity `told` of the bias of `rates`, by [`steadied`]; none of a course too short.
+fn slow_bias(
+    course: &Course,
+    rates: &[Vector3<f64>],
+    told: &[[Vector3<f64>; 3]],
+    spread: &[f64; 3],
+) -> Option<SlowBias> {
+    let bias = own_bias(course, rates);
+    let [first, apart] = TOLD_S.map(|s| (s * course.rate.hz()).round() as usize);
+    let (mut all, mut count) = ([0.0; 3], 0.0);
+    for [_, said, std] in told.iter().skip(first).step_by(apart) {
+        let half = |off: f64, std: f64| 0.5 * (off / std).powi(2) + std.ln();
+        for axis in 0..3 {
+            let off = said[axis] - bias[axis];
+            all[0] += (off / std[axis]).powi(2) / 3.0;
+            all[1] += half(off, std[axis]);
+            all[2] += half(bias[axis], spread[axis]);
+        }
+        count += 1.0;
+    }
+    let [nees, nll, nll_spread] = all.map(|sum| sum / count);
+    (count > 0.0).then_some(SlowBias { nees, nll, nll_spread })
 }
 
 fn averaged(values: &[Vector3<f64>], past: usize) -> Vec<Vector3<f64>> {
@@ -165,7 +216,8 @@ mod tests {
         course.gyro.iter_mut().for_each(|g| *g = bias);
         let first = course.truth[0];
         course.truth.iter_mut().for_each(|truth| *truth = first);
-        let rows = sources(&course, &crate::Affine::none(), &[], 20.0);
+        let fitted = Fitted { affine: crate::Affine::none(), ..fit(&[&course], Unknown::Bias).unwrap() };
+        let rows = sources(&course, &fitted, &[], &InertialConfig::default());
         let of = |name: &str| rows.iter().find(|row| row.name == name).unwrap().score.clone();
         let end = (0.002 * 30.0_f64).to_degrees();
         assert!((of("raw").aoe_deg - end / 3f64.sqrt()).abs() < 1e-3 * end);

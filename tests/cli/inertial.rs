@@ -43,7 +43,7 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
     let done = call("eval --inertial sim.toml --data flights --models runs --out out").well();
     let wanted = [
         "gyro: matrix * reading - bias",
-        "network 0 averaged",
+        "network 0 averaged, gravity",
         "raw, its own mean bias",
         "data sheet",
         "dualpronet(effective-s0), scaled",
@@ -60,6 +60,8 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
         sources.iter().find(|s| s["name"] == name).unwrap()["score"]["aoe_deg"].as_f64().unwrap()
     };
     assert!(aoe("raw, its own mean bias") < aoe("raw"), "{text}");
+    let slow = &sources.iter().find(|s| s["name"] == "affine, gravity").unwrap()["slow"];
+    assert!(slow["nees"].as_f64().is_some_and(|nees| nees > 0.0), "{text}");
 
     // The same recording under another name.
     let flight = |part: &str| format!("flights/f07-room-medium/mav0/{part}/data.csv");
