@@ -67,6 +67,18 @@ impl ConfigFaults {
         self.check(value.is_finite() && value >= 0.0, key, value, "0 or more, and finite");
     }
 
+    /// Notes a fault unless both numbers of `pair` are `bound` by `within`, and the smaller stands first.
+    pub fn pair(
+        &mut self,
+        key: impl Into<String>,
+        pair: [f64; 2],
+        within: impl Fn(f64) -> bool,
+        bound: &str,
+    ) {
+        let ok = pair[0] <= pair[1] && pair.into_iter().all(within);
+        self.check(ok, key, format!("{pair:?}"), format!("two numbers {bound}, the smaller first"));
+    }
+
     /// Notes the faults of a table, each key behind the table's `name`.
     pub fn table(&mut self, name: &str, faults: Vec<ConfigFault>) {
         let named = |fault: ConfigFault| ConfigFault { key: format!("{name}.{}", fault.key), ..fault };

@@ -24,6 +24,7 @@ pub mod progress;
 mod quiet;
 pub mod random;
 mod samples;
+mod settings;
 mod side;
 pub mod signal;
 pub mod time;

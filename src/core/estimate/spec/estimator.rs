@@ -138,8 +138,8 @@ impl EstimatorSpec {
             return Ok([axis()?, axis()?, axis()?]);
         }
         let estimator = self.for_windows(window)?;
-        let axis = || HopWindow::new(Arc::clone(&estimator), window, hop).map(Box::new);
-        Ok([axis()?, axis()?, axis()?])
+        let axis = || Box::new(HopWindow::new(Box::new(Arc::clone(&estimator)), window, hop));
+        Ok([axis(), axis(), axis()])
     }
 
     /// What a moving variance remembers where windows have `samples`; `None` for a window estimator.

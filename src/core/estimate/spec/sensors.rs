@@ -100,7 +100,7 @@ fn effective(span_s: f64, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3],
     let window = window.max(effective.min_len());
     let axis = || {
         let stream = EffectiveStream::new(Arc::clone(&effective));
-        Box::new(HopWindow::of(Box::new(stream), window, hop))
+        Box::new(HopWindow::new(Box::new(stream), window, hop))
     };
     Ok([axis(), axis(), axis()])
 }
@@ -180,6 +180,14 @@ mod tests {
 
     fn parse(spec: &str) -> Result<SensorPair, SpecError> {
         SensorPair::from_calls(spec, &Call::parse_list(spec)?)
+    }
+
+    #[test]
+    fn schedules_that_cannot_work_are_refused() {
+        for (window, hop) in [(5, 0), (0, 1), (1, 1)] {
+            let schedule = Schedule { window, hop, ..Schedule::default() };
+            assert!(parse("mad2").unwrap().model(schedule).is_err(), "{window}, {hop}");
+        }
     }
 
     #[test]
