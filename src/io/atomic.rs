@@ -4,6 +4,7 @@ use super::IoError;
 use super::beneath::Folder;
 use super::leftovers;
 use super::result_path::ResultPath;
+use serde::Serialize;
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -32,6 +33,22 @@ pub fn atomic_write(
     let (folder, name) = path.place()?;
     leftovers::clear_once(path.path().parent().expect("it is below another"), &folder);
     write(&folder, name, fill).map_err(failed)
+}
+
+/// [`atomic_write`] of what is there already: a text, or bytes.
+///
+/// # Errors
+/// As [`atomic_write`].
+pub fn write_file(path: impl Into<ResultPath>, content: impl AsRef<[u8]>) -> Result<(), IoError> {
+    atomic_write(path, |out| out.write_all(content.as_ref()))
+}
+
+/// [`write_file`] of a line of JSON.
+///
+/// # Errors
+/// As [`atomic_write`], and a value that JSON cannot say.
+pub fn write_json(path: impl Into<ResultPath>, value: &(impl Serialize + ?Sized)) -> Result<(), IoError> {
+    atomic_write(path, |out| writeln!(out, "{}", serde_json::to_string(value)?))
 }
 
 /// Renaming over a link would replace the link, over a device the device.

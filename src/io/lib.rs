@@ -13,7 +13,7 @@
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`config`]: typed configurations of TOML.
 //! * [`noise_formats`]: noise parameters as other programs write them.
-//! * [`atomic_write`]: files that are there in full or not at all. [`ResultPath`]: where they lie, no links below what somebody named. [`FolderLock`]: a folder for one writer at a time.
+//! * [`atomic_write`], [`write_file`], [`write_json`]: files that are there in full or not at all. [`ResultPath`]: where they lie, no links below what somebody named. [`FolderLock`]: a folder for one writer at a time.
 //!
 //! A reader checks every row, and all but the loose one skip none: what it returns is finite, in SI units and in increasing time, and what is wrong is an
 //! [`IoError`] with file, line and a [hint](IoError::hint). No reader panics, whatever the bytes.
@@ -70,7 +70,7 @@ mod unit;
 mod words;
 mod yaml;
 
-pub use atomic::atomic_write;
+pub use atomic::{atomic_write, write_file, write_json};
 pub use beneath::Kind;
 pub use choice::ColumnChoice;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns, axis_columns};
