@@ -8,27 +8,20 @@
 //! `p <- p (1 - lr decay)` (Loshchilov and Hutter's decoupled decay; zero is plain Adam).
 //! Source: Kingma and Ba 2015 (arXiv 1412.6980), Loshchilov and Hutter 2019 (arXiv 1711.05101).
 
-use serde::{Deserialize, Serialize};
-
-/// Adam's constants; PyTorch's defaults.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct AdamConfig {
-    /// Decay of the mean gradient \[0 to below 1\].
-    pub beta1: f64,
-    /// Decay of the mean squared gradient \[0 to below 1\].
-    pub beta2: f64,
-    /// Added to the root of the latter \[above 0\].
-    pub epsilon: f64,
-    /// Decoupled weight decay \[0 or more, a step and unit of learning rate\].
-    pub weight_decay: f64,
-}
-
-impl Default for AdamConfig {
-    fn default() -> Self {
-        Self { beta1: 0.9, beta2: 0.999, epsilon: 1e-8, weight_decay: 0.0 }
+dpn_core::settings!(
+    /// Adam's constants; PyTorch's defaults.
+    #[derive(Copy)]
+    pub struct AdamConfig {
+        /// Decay of the mean gradient \[0 to below 1\].
+        pub beta1: f64 = 0.9,
+        /// Decay of the mean squared gradient \[0 to below 1\].
+        pub beta2: f64 = 0.999,
+        /// Added to the root of the latter \[above 0\].
+        pub epsilon: f64 = 1e-8,
+        /// Decoupled weight decay \[0 or more, a step and unit of learning rate\].
+        pub weight_decay: f64 = 0.0,
     }
-}
+);
 
 /// Adam's constants and state.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,39 +16,25 @@ pub enum StampPattern {
     Euroc,
 }
 
-/// A simulated flight's settings. A flight is a function of its name, a seed and this.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct FlightConfig {
-    /// IMU rate \[Hz\], 50 to 2000. Default 200, EuRoC's.
-    pub rate_hz: SampleRate,
-    /// Spacing of the stamps. Default `euroc`.
-    pub stamps: StampPattern,
-    /// Stamp of the first sample \[ns\], not negative. Default 1,400,000,000 s, a multiple of 256 ns.
-    pub epoch_ns: i64,
-    /// White noise, and how its deviation changes in time.
-    pub white: WhiteConfig,
-    /// Biases that walk.
-    pub bias: BiasConfig,
-    /// Rotor vibration.
-    pub vibration: VibrationConfig,
-    /// Rounding to the sensor's counts.
-    pub quantisation: QuantisationConfig,
-}
-
-impl Default for FlightConfig {
-    fn default() -> Self {
-        Self {
-            rate_hz: SampleRate::HZ_200,
-            stamps: StampPattern::Euroc,
-            epoch_ns: 1_400_000_000_000_000_000,
-            white: WhiteConfig::default(),
-            bias: BiasConfig::default(),
-            vibration: VibrationConfig::default(),
-            quantisation: QuantisationConfig::default(),
-        }
+dpn_core::settings!(
+    /// A simulated flight's settings. A flight is a function of its name, a seed and this.
+    pub struct FlightConfig {
+        /// IMU rate \[Hz\], 50 to 2000. Default 200, EuRoC's.
+        pub rate_hz: SampleRate = SampleRate::HZ_200,
+        /// Spacing of the stamps. Default `euroc`.
+        pub stamps: StampPattern = StampPattern::Euroc,
+        /// Stamp of the first sample \[ns\], not negative. Default 1,400,000,000 s, a multiple of 256 ns.
+        pub epoch_ns: i64 = 1_400_000_000_000_000_000,
+        /// White noise, and how its deviation changes in time.
+        pub white: WhiteConfig = WhiteConfig::default(),
+        /// Biases that walk.
+        pub bias: BiasConfig = BiasConfig::default(),
+        /// Rotor vibration.
+        pub vibration: VibrationConfig = VibrationConfig::default(),
+        /// Rounding to the sensor's counts.
+        pub quantisation: QuantisationConfig = QuantisationConfig::default(),
     }
-}
+);
 
 impl FlightConfig {
     /// An ideal IMU: no noise of any kind.

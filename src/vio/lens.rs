@@ -23,7 +23,6 @@ use crate::window::{Landmark, Window};
 use dpn_core::Stamp;
 use dpn_core::camera::CameraModel;
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Vector2, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Degree of the polynomials.
 const DEGREE: usize = 6;
@@ -44,19 +43,14 @@ const LARGEST: f64 = 3.0;
 /// Errors of a track last over some images and reach over some tracks: so much of a row's information is its own.
 const COUNTS: f64 = 0.05;
 
-/// Settings.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LensConfig {
-    /// Whether the field is learned where points are followed through images. Tracks that err each for itself are of a camera that is as calibrated.
-    pub learn: bool,
-}
-
-impl Default for LensConfig {
-    fn default() -> Self {
-        Self { learn: true }
+dpn_core::settings!(
+    /// Settings.
+    #[derive(Copy)]
+    pub struct LensConfig {
+        /// Whether the field is learned where points are followed through images. Tracks that err each for itself are of a camera that is as calibrated.
+        pub learn: bool = true,
     }
-}
+);
 
 /// The field so far.
 #[derive(Debug, Clone)]

@@ -3,75 +3,50 @@
 use super::{BlockOrder, FirstKernels, Head, Input, NormAxes, Pool};
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::{Sensor, imu};
-use serde::{Deserialize, Serialize};
 
-/// Everything that fixes a network's shape and arithmetic; its weights aside.
-///
-/// Blocks `1..n` are convolution, normalisation and leaky ReLU; their channels are pooled over time and go through the
-/// linear layers `1..m`, of which the last has one output or, where the head says its own uncertainty, two. `channels`, `kernels`, `strides` and `paddings` have one
-/// entry a block. Windows go in and deviations come out in the sensor's unit: m/s^2 or rad/s.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ProNetConfig {
-    /// Which sensor the network is for: `"accel"` or `"gyro"`.
-    pub sensor: Sensor,
-    /// Samples in a window \[8 to 100,000\].
-    pub window: usize,
-    /// What of the window is seen.
-    pub input: Input,
-    /// Number the window is divided by first \[the sensor's unit\]; the sensor's own (.1 m/s^2, .007 rad/s) when not given.
-    pub input_scale: Option<f64>,
-    /// Order of a block's steps.
-    pub block_order: BlockOrder,
-    /// Over what a block normalises.
-    pub norm_axes: NormAxes,
-    /// Channels out of each block \[1 to 1024\].
-    pub channels: Vec<usize>,
-    /// Kernel width of each block \[1 or more samples\].
-    pub kernels: Vec<usize>,
-    /// Stride of each block \[1 or more samples\].
-    pub strides: Vec<usize>,
-    /// Samples added at both ends before each block's convolution \[below its kernel\].
-    pub paddings: Vec<usize>,
-    /// Whether convolutions have a bias.
-    pub conv_bias: bool,
-    /// What the first convolution's kernels start from.
-    pub first_kernels: FirstKernels,
-    /// Slope of the leaky ReLU below zero \[0 to 1\].
-    pub leak: f64,
-    /// How the channels are pooled over time.
-    pub pool: Pool,
-    /// Widths of the linear layers but the last \[1 to 1024\].
-    pub hidden: Vec<usize>,
-    /// How the last layer's number becomes a deviation.
-    pub head: Head,
-    /// Number the head's value is multiplied by \[the sensor's unit\]; the input scale when not given.
-    pub output_scale: Option<f64>,
-}
-
-impl Default for ProNetConfig {
-    fn default() -> Self {
-        Self {
-            sensor: Sensor::Accel,
-            window: 200,
-            input: Input::Demeaned,
-            input_scale: None,
-            block_order: BlockOrder::ConvNormAct,
-            norm_axes: NormAxes::Channels,
-            channels: vec![16, 32, 64],
-            kernels: vec![7, 7, 7],
-            strides: vec![1, 2, 2],
-            paddings: vec![3, 3, 3],
-            conv_bias: true,
-            first_kernels: FirstKernels::Uniform,
-            leak: 0.01,
-            pool: Pool::Mean,
-            hidden: vec![64, 32, 16],
-            head: Head::Softplus,
-            output_scale: None,
-        }
+dpn_core::settings!(
+    /// Everything that fixes a network's shape and arithmetic; its weights aside.
+    ///
+    /// Blocks `1..n` are convolution, normalisation and leaky ReLU; their channels are pooled over time and go through the
+    /// linear layers `1..m`, of which the last has one output or, where the head says its own uncertainty, two. `channels`, `kernels`, `strides` and `paddings` have one
+    /// entry a block. Windows go in and deviations come out in the sensor's unit: m/s^2 or rad/s.
+    pub struct ProNetConfig {
+        /// Which sensor the network is for: `"accel"` or `"gyro"`.
+        pub sensor: Sensor = Sensor::Accel,
+        /// Samples in a window \[8 to 100,000\].
+        pub window: usize = 200,
+        /// What of the window is seen.
+        pub input: Input = Input::Demeaned,
+        /// Number the window is divided by first \[the sensor's unit\]; the sensor's own (.1 m/s^2, .007 rad/s) when not given.
+        pub input_scale: Option<f64> = None,
+        /// Order of a block's steps.
+        pub block_order: BlockOrder = BlockOrder::ConvNormAct,
+        /// Over what a block normalises.
+        pub norm_axes: NormAxes = NormAxes::Channels,
+        /// Channels out of each block \[1 to 1024\].
+        pub channels: Vec<usize> = vec![16, 32, 64],
+        /// Kernel width of each block \[1 or more samples\].
+        pub kernels: Vec<usize> = vec![7, 7, 7],
+        /// Stride of each block \[1 or more samples\].
+        pub strides: Vec<usize> = vec![1, 2, 2],
+        /// Samples added at both ends before each block's convolution \[below its kernel\].
+        pub paddings: Vec<usize> = vec![3, 3, 3],
+        /// Whether convolutions have a bias.
+        pub conv_bias: bool = true,
+        /// What the first convolution's kernels start from.
+        pub first_kernels: FirstKernels = FirstKernels::Uniform,
+        /// Slope of the leaky ReLU below zero \[0 to 1\].
+        pub leak: f64 = 0.01,
+        /// How the channels are pooled over time.
+        pub pool: Pool = Pool::Mean,
+        /// Widths of the linear layers but the last \[1 to 1024\].
+        pub hidden: Vec<usize> = vec![64, 32, 16],
+        /// How the last layer's number becomes a deviation.
+        pub head: Head = Head::Softplus,
+        /// Number the head's value is multiplied by \[the sensor's unit\]; the input scale when not given.
+        pub output_scale: Option<f64> = None,
     }
-}
+);
 
 impl ProNetConfig {
     /// The default network of `sensor`.

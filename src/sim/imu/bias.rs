@@ -9,29 +9,22 @@ use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
 use rand::Rng;
 use rand_distr::StandardNormal;
-use serde::{Deserialize, Serialize};
 
 /// Deviations of the first biases, as EuRoC's estimates scatter: accelerometer \[m/s^2\], gyroscope \[rad/s\].
 const ACCEL_START: f64 = 0.08;
 const GYRO_START: f64 = 0.04;
 
-/// Biases of a simulated IMU.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct BiasConfig {
-    /// Scales starts and walks, 0 to 1000; 0 switches biases off. Default 1.
-    pub scale: f64,
-    /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\], up to 1. Default 3e-3, EuRoC's sensor.yaml.
-    pub accel_walk: AccelBiasWalkDensity,
-    /// Walk of the gyroscope's bias \[rad/s^2/sqrt(Hz)\], up to 1. Default 1.9393e-5, EuRoC's sensor.yaml.
-    pub gyro_walk: GyroBiasWalkDensity,
-}
-
-impl Default for BiasConfig {
-    fn default() -> Self {
-        Self { scale: 1.0, accel_walk: AccelBiasWalkDensity::EUROC, gyro_walk: GyroBiasWalkDensity::EUROC }
+dpn_core::settings!(
+    /// Biases of a simulated IMU.
+    pub struct BiasConfig {
+        /// Scales starts and walks, 0 to 1000; 0 switches biases off. Default 1.
+        pub scale: f64 = 1.0,
+        /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\], up to 1. Default 3e-3, EuRoC's sensor.yaml.
+        pub accel_walk: AccelBiasWalkDensity = AccelBiasWalkDensity::EUROC,
+        /// Walk of the gyroscope's bias \[rad/s^2/sqrt(Hz)\], up to 1. Default 1.9393e-5, EuRoC's sensor.yaml.
+        pub gyro_walk: GyroBiasWalkDensity = GyroBiasWalkDensity::EUROC,
     }
-}
+);
 
 impl BiasConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {

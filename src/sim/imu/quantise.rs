@@ -5,25 +5,18 @@
 use super::series::ImuSeries;
 use dpn_core::config::ConfigFaults;
 use dpn_core::{GRAVITY, Sensor};
-use serde::{Deserialize, Serialize};
 
-/// Resolution of a simulated IMU.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct QuantisationConfig {
-    /// Whether readings are rounded to counts. Default true.
-    pub enabled: bool,
-    /// A gyroscope count \[deg/s\], 1e-6 to 10. Default .04, the ADIS16448's.
-    pub gyro_lsb_deg_s: f64,
-    /// Accelerometer counts in one g, 1 to 1e9. Default 1200, the ADIS16448's.
-    pub accel_lsb_per_g: f64,
-}
-
-impl Default for QuantisationConfig {
-    fn default() -> Self {
-        Self { enabled: true, gyro_lsb_deg_s: 0.04, accel_lsb_per_g: 1200.0 }
+dpn_core::settings!(
+    /// Resolution of a simulated IMU.
+    pub struct QuantisationConfig {
+        /// Whether readings are rounded to counts. Default true.
+        pub enabled: bool = true,
+        /// A gyroscope count \[deg/s\], 1e-6 to 10. Default .04, the ADIS16448's.
+        pub gyro_lsb_deg_s: f64 = 0.04,
+        /// Accelerometer counts in one g, 1 to 1e9. Default 1200, the ADIS16448's.
+        pub accel_lsb_per_g: f64 = 1200.0,
     }
-}
+);
 
 impl QuantisationConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {

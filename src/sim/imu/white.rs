@@ -12,32 +12,21 @@ use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
 use rand::Rng;
 use rand_distr::StandardNormal;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// White noise of a simulated IMU.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WhiteConfig {
-    /// Scales all white noise, 0 to 1000; 0 switches it off. Default 1.
-    pub scale: f64,
-    /// Whether the deviation changes in time by the flight's schedule; else it is the base throughout. Default true.
-    pub schedule: bool,
-    /// Base deviation of an accelerometer sample \[m/s^2\], up to 1. Default .0283, the ADIS16448's data sheet at 200 Hz.
-    pub accel_sample_std: AccelSampleStd,
-    /// Base deviation of a gyroscope sample \[rad/s\], up to 1. Default .0024, the ADIS16448's data sheet at 200 Hz.
-    pub gyro_sample_std: GyroSampleStd,
-}
-
-impl Default for WhiteConfig {
-    fn default() -> Self {
-        Self {
-            scale: 1.0,
-            schedule: true,
-            accel_sample_std: AccelNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200),
-            gyro_sample_std: GyroNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200),
-        }
+dpn_core::settings!(
+    /// White noise of a simulated IMU.
+    pub struct WhiteConfig {
+        /// Scales all white noise, 0 to 1000; 0 switches it off. Default 1.
+        pub scale: f64 = 1.0,
+        /// Whether the deviation changes in time by the flight's schedule; else it is the base throughout. Default true.
+        pub schedule: bool = true,
+        /// Base deviation of an accelerometer sample \[m/s^2\], up to 1. Default .0283, the ADIS16448's data sheet at 200 Hz.
+        pub accel_sample_std: AccelSampleStd = AccelNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200),
+        /// Base deviation of a gyroscope sample \[rad/s\], up to 1. Default .0024, the ADIS16448's data sheet at 200 Hz.
+        pub gyro_sample_std: GyroSampleStd = GyroNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200),
     }
-}
+);
 
 impl WhiteConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {

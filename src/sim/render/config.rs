@@ -2,170 +2,119 @@
 
 use crate::tracks::{CameraSettings, PathConfig, World};
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use serde::{Deserialize, Serialize};
 
-/// The lens, beside the geometry that the calibration says.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LensConfig {
-    /// Standard deviation of the blur of lens and pixel \[px\], 0 to 2. Default .45.
-    pub blur_px: f64,
-    /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
-    pub vignetting: f64,
-    /// Standard deviation, an axis, of what the calibration does not know of the lens \[px\], 0 to 2: a smooth field that stays with the camera. Default .3,
-    /// as EuRoC's has it.
-    pub uncalibrated_px: f64,
-}
-
-impl Default for LensConfig {
-    fn default() -> Self {
-        Self { blur_px: 0.45, vignetting: 0.25, uncalibrated_px: 0.3 }
+dpn_core::settings!(
+    /// The lens, beside the geometry that the calibration says.
+    #[derive(Copy)]
+    pub struct LensConfig {
+        /// Standard deviation of the blur of lens and pixel \[px\], 0 to 2. Default .45.
+        pub blur_px: f64 = 0.45,
+        /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
+        pub vignetting: f64 = 0.25,
+        /// Standard deviation, an axis, of what the calibration does not know of the lens \[px\], 0 to 2: a smooth field that stays with the camera. Default .3,
+        /// as EuRoC's has it.
+        pub uncalibrated_px: f64 = 0.3,
     }
-}
+);
 
-/// Noise of a pixel: variance = gain^2 read^2 + gain shot grey, with the gain beyond what a longer exposure gives.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct SensorConfig {
-    /// Noise of a dark pixel, without that of rounding \[grey\], 0 to 50. Default .47, as EuRoC's pictures have it.
-    pub read_grey: f64,
-    /// What a grey value adds to the variance \[grey\], 0 to 10. Default .0145, as EuRoC's pictures have it.
-    pub shot_grey: f64,
-}
-
-impl Default for SensorConfig {
-    fn default() -> Self {
-        Self { read_grey: 0.47, shot_grey: 0.0145 }
+dpn_core::settings!(
+    /// Noise of a pixel: variance = gain^2 read^2 + gain shot grey, with the gain beyond what a longer exposure gives.
+    #[derive(Copy)]
+    pub struct SensorConfig {
+        /// Noise of a dark pixel, without that of rounding \[grey\], 0 to 50. Default .47, as EuRoC's pictures have it.
+        pub read_grey: f64 = 0.47,
+        /// What a grey value adds to the variance \[grey\], 0 to 10. Default .0145, as EuRoC's pictures have it.
+        pub shot_grey: f64 = 0.0145,
     }
-}
+);
 
-/// How bright pictures are.
-///
-/// The mean grey value is led to `target_grey` with a lag of a few tenths of a second, first by a longer exposure, then by gain; on top
-/// of that the exposure changes at random.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ExposureConfig {
-    /// Mean grey value that is aimed at, 1 to 254. Default 128.
-    pub target_grey: f64,
-    /// How many times longer than in mean light the exposure may be, 1 to 100; what is missing then is gain. Default 3.
-    pub longest: f64,
-    /// Largest gain, 1 to 100. Default 8.
-    pub most_gain: f64,
-    /// Standard deviation of the logarithm of random changes, 0 to 2. Default .04.
-    pub change: f64,
-    /// A random change comes this often \[s\], .1 to 1000, and takes a tenth of that. Default 3.
-    pub change_every_s: f64,
-}
-
-impl Default for ExposureConfig {
-    fn default() -> Self {
-        Self { target_grey: 128.0, longest: 3.0, most_gain: 8.0, change: 0.04, change_every_s: 3.0 }
+dpn_core::settings!(
+    /// How bright pictures are.
+    ///
+    /// The mean grey value is led to `target_grey` with a lag of a few tenths of a second, first by a longer exposure, then by gain; on top
+    /// of that the exposure changes at random.
+    #[derive(Copy)]
+    pub struct ExposureConfig {
+        /// Mean grey value that is aimed at, 1 to 254. Default 128.
+        pub target_grey: f64 = 128.0,
+        /// How many times longer than in mean light the exposure may be, 1 to 100; what is missing then is gain. Default 3.
+        pub longest: f64 = 3.0,
+        /// Largest gain, 1 to 100. Default 8.
+        pub most_gain: f64 = 8.0,
+        /// Standard deviation of the logarithm of random changes, 0 to 2. Default .04.
+        pub change: f64 = 0.04,
+        /// A random change comes this often \[s\], .1 to 1000, and takes a tenth of that. Default 3.
+        pub change_every_s: f64 = 3.0,
     }
-}
+);
 
-/// Blur while the shutter is open.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MotionBlurConfig {
-    /// How long the shutter is open in mean light \[s\], 0 to .05; 0 switches blur off. Its middle is the image's stamp. Default 0.
-    pub exposure_s: f64,
-    /// Most instants an image is the mean of, 2 to 64: each takes as long as an image without blur. Default 8.
-    pub most_instants: usize,
-}
-
-impl Default for MotionBlurConfig {
-    fn default() -> Self {
-        Self { exposure_s: 0.0, most_instants: 8 }
+dpn_core::settings!(
+    /// Blur while the shutter is open.
+    #[derive(Copy)]
+    pub struct MotionBlurConfig {
+        /// How long the shutter is open in mean light \[s\], 0 to .05; 0 switches blur off. Its middle is the image's stamp. Default 0.
+        pub exposure_s: f64 = 0.0,
+        /// Most instants an image is the mean of, 2 to 64: each takes as long as an image without blur. Default 8.
+        pub most_instants: usize = 8,
     }
-}
+);
 
-/// Images that a camera loses.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct GapConfig {
-    /// A gap comes this often \[s\], twice `longest_s` to 1000. Default 10.
-    pub every_s: f64,
-    /// Longest gap \[s\], 0 to 10; each is drawn evenly up to it. 0 for none. Default 0.
-    pub longest_s: f64,
-}
-
-impl Default for GapConfig {
-    fn default() -> Self {
-        Self { every_s: 10.0, longest_s: 0.0 }
+dpn_core::settings!(
+    /// Images that a camera loses.
+    #[derive(Copy)]
+    pub struct GapConfig {
+        /// A gap comes this often \[s\], twice `longest_s` to 1000. Default 10.
+        pub every_s: f64 = 10.0,
+        /// Longest gap \[s\], 0 to 10; each is drawn evenly up to it. 0 for none. Default 0.
+        pub longest_s: f64 = 0.0,
     }
-}
+);
 
-/// Phases in which there is little light.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LowLightConfig {
-    /// Share of the time, 0 to 1. Default 0.
-    pub share: f64,
-    /// Length of a phase \[s\], .5 to 1000. Default 6.
-    pub length_s: f64,
-    /// Light left, .001 to 1. Default .1.
-    pub light: f64,
-}
-
-impl Default for LowLightConfig {
-    fn default() -> Self {
-        Self { share: 0.0, length_s: 6.0, light: 0.1 }
+dpn_core::settings!(
+    /// Phases in which there is little light.
+    #[derive(Copy)]
+    pub struct LowLightConfig {
+        /// Share of the time, 0 to 1. Default 0.
+        pub share: f64 = 0.0,
+        /// Length of a phase \[s\], .5 to 1000. Default 6.
+        pub length_s: f64 = 6.0,
+        /// Light left, .001 to 1. Default .1.
+        pub light: f64 = 0.1,
     }
-}
+);
 
-/// Settings of a rendered camera. Images are a function of this, a path, the camera's stamps and a seed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RenderConfig {
-    /// Kind of the world. Default `auto`, by the flight's size.
-    pub world: World,
-    /// Contrast of all textures, 0 to 2; 1 is as they are painted. Default 1.
-    pub contrast: f64,
-    /// Share of the walls' fields that show nothing but paint, 0 to 1. Default 0.
-    pub bare: f64,
-    /// Time from the first line's exposure to the last's \[s\], 0 to .1; the middle line is exposed at the image's stamp. Default 0, all
-    /// lines at once.
-    pub readout_s: f64,
-    /// An image of time t is taken from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
-    pub ground_truth_delay_s: f64,
-    /// How ground truth becomes a path.
-    pub path: PathConfig,
-    /// The lens.
-    pub lens: LensConfig,
-    /// The sensor.
-    pub sensor: SensorConfig,
-    /// Exposure.
-    pub exposure: ExposureConfig,
-    /// Blur by motion.
-    pub motion_blur: MotionBlurConfig,
-    /// Dark phases.
-    pub low_light: LowLightConfig,
-    /// Images that are lost.
-    pub gaps: GapConfig,
-    /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
-    pub camera: Option<CameraSettings>,
-}
-
-impl Default for RenderConfig {
-    fn default() -> Self {
-        Self {
-            world: World::Auto,
-            contrast: 1.0,
-            bare: 0.0,
-            readout_s: 0.0,
-            ground_truth_delay_s: 0.0,
-            path: PathConfig::default(),
-            lens: LensConfig::default(),
-            sensor: SensorConfig::default(),
-            exposure: ExposureConfig::default(),
-            motion_blur: MotionBlurConfig::default(),
-            low_light: LowLightConfig::default(),
-            gaps: GapConfig::default(),
-            camera: None,
-        }
+dpn_core::settings!(
+    /// Settings of a rendered camera. Images are a function of this, a path, the camera's stamps and a seed.
+    pub struct RenderConfig {
+        /// Kind of the world. Default `auto`, by the flight's size.
+        pub world: World = World::Auto,
+        /// Contrast of all textures, 0 to 2; 1 is as they are painted. Default 1.
+        pub contrast: f64 = 1.0,
+        /// Share of the walls' fields that show nothing but paint, 0 to 1. Default 0.
+        pub bare: f64 = 0.0,
+        /// Time from the first line's exposure to the last's \[s\], 0 to .1; the middle line is exposed at the image's stamp. Default 0, all
+        /// lines at once.
+        pub readout_s: f64 = 0.0,
+        /// An image of time t is taken from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
+        pub ground_truth_delay_s: f64 = 0.0,
+        /// How ground truth becomes a path.
+        pub path: PathConfig = PathConfig::default(),
+        /// The lens.
+        pub lens: LensConfig = LensConfig::default(),
+        /// The sensor.
+        pub sensor: SensorConfig = SensorConfig::default(),
+        /// Exposure.
+        pub exposure: ExposureConfig = ExposureConfig::default(),
+        /// Blur by motion.
+        pub motion_blur: MotionBlurConfig = MotionBlurConfig::default(),
+        /// Dark phases.
+        pub low_light: LowLightConfig = LowLightConfig::default(),
+        /// Images that are lost.
+        pub gaps: GapConfig = GapConfig::default(),
+        /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
+        pub camera: Option<CameraSettings> = None,
     }
-}
+);
 
 impl RenderConfig {
     /// A camera without noise, lens blur, vignetting, errors of calibration and changes of exposure.

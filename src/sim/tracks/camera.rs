@@ -5,44 +5,32 @@ use dpn_core::camera::{BadCamera, CameraConfig, CameraModel, Distortion, Lens};
 use dpn_core::config::ConfigFaults;
 use dpn_core::geometry::rigid::{NotRigid, rigid};
 use nalgebra::{Isometry3, Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Pixels of the largest camera that is simulated: ray and light of every one are held at a time.
 const MOST_PIXELS: u64 = 1 << 23;
 
-/// A camera as numbers, in the order of an ASL `sensor.yaml`. Default: EuRoC's cam0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct CameraSettings {
-    /// Width and height \[px\].
-    pub resolution: [u32; 2],
-    /// fx, fy, cx, cy \[px\].
-    pub intrinsics: [f64; 4],
-    /// The lens: none, radial-tangential, equidistant, omni, enhanced-unified, double-sphere, fov.
-    #[serde(skip_serializing_if = "is_default")]
-    pub lens: Distortion,
-    /// Its coefficients: k1, k2, p1, p2 (and k3; and k4, k5, k6), or k1 to k4, or xi, k1, k2, p1, p2, or xi, alpha, or w.
-    pub distortion: Coefficients,
-    /// `T_BS`, its first three rows: points in the camera's frame to the body's, lengths in m.
-    pub body_from_cam: [[f64; 4]; 3],
-}
-
-impl Default for CameraSettings {
-    fn default() -> Self {
-        Self {
-            resolution: [752, 480],
-            intrinsics: [458.654, 457.296, 367.215, 248.375],
-            lens: Distortion::RadialTangential,
-            distortion: [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0].into(),
-            body_from_cam: [
+dpn_core::settings!(
+    /// A camera as numbers, in the order of an ASL `sensor.yaml`. Default: EuRoC's cam0.
+    #[derive(Copy)]
+    pub struct CameraSettings {
+        /// Width and height \[px\].
+        pub resolution: [u32; 2] = [752, 480],
+        /// fx, fy, cx, cy \[px\].
+        pub intrinsics: [f64; 4] = [458.654, 457.296, 367.215, 248.375],
+        /// The lens: none, radial-tangential, equidistant, omni, enhanced-unified, double-sphere, fov.
+        #[serde(skip_serializing_if = "is_default")]
+        pub lens: Distortion = Distortion::RadialTangential,
+        /// Its coefficients: k1, k2, p1, p2 (and k3; and k4, k5, k6), or k1 to k4, or xi, k1, k2, p1, p2, or xi, alpha, or w.
+        pub distortion: Coefficients = [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0].into(),
+        /// `T_BS`, its first three rows: points in the camera's frame to the body's, lengths in m.
+        pub body_from_cam: [[f64; 4]; 3] = [
                 [0.014_865_542_981_8, -0.999_880_929_698, 0.004_140_296_794_22, -0.021_640_145_497_5],
                 [0.999_557_249_008, 0.014_967_213_324_7, 0.025_715_529_948, -0.064_676_986_768],
                 [-0.025_774_436_697_4, 0.003_756_188_357_97, 0.999_660_727_178, 0.009_810_730_589_49],
             ],
-        }
     }
-}
+);
 
 fn is_default(lens: &Distortion) -> bool {
     *lens == Distortion::default()

@@ -3,82 +3,54 @@
 use super::camera::CameraSettings;
 use super::world::World;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use serde::{Deserialize, Serialize};
 
-/// How ground truth becomes a smooth path.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PathConfig {
-    /// Span of the cubic fit that takes out the motion capture's own jitter \[s\], 0 to 10; 0 switches it off. Below five poses a span
-    /// nothing is smoothed either. Default .1.
-    pub smoothing_s: f64,
-    /// A longer step between poses \[s\] is a gap, above 0 and up to 10: no frame is made in it, and nothing is smoothed across. Default .1.
-    pub longest_gap_s: f64,
-}
-
-impl Default for PathConfig {
-    fn default() -> Self {
-        Self { smoothing_s: 0.1, longest_gap_s: 0.1 }
+dpn_core::settings!(
+    /// How ground truth becomes a smooth path.
+    #[derive(Copy)]
+    pub struct PathConfig {
+        /// Span of the cubic fit that takes out the motion capture's own jitter \[s\], 0 to 10; 0 switches it off. Below five poses a span
+        /// nothing is smoothed either. Default .1.
+        pub smoothing_s: f64 = 0.1,
+        /// A longer step between poses \[s\] is a gap, above 0 and up to 10: no frame is made in it, and nothing is smoothed across. Default .1.
+        pub longest_gap_s: f64 = 0.1,
     }
-}
+);
 
-/// Settings of simulated tracks. Tracks are a function of this, a path, the camera's stamps and a seed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TracksConfig {
-    /// Kind of the world. Default `auto`, by the flight's size.
-    pub world: World,
-    /// Most points followed at a time, 1 to 10000. Default 150.
-    pub max_tracks: usize,
-    /// A track is born this far \[px\] from every other at least, 0 to 1000. Default 30.
-    pub spacing_px: f64,
-    /// Frames handed over a second \[Hz\], above 0 and up to 1000: every n-th of the camera's, n the nearest whole number. Default 10.
-    pub rate_hz: f64,
-    /// White noise of a position, each axis \[px\], 0 to 100. Default .5.
-    pub pixel_noise_px: f64,
-    /// Drift: what a camera frame adds to a track's error for good, each axis \[px\], 0 to 100. Default .04.
-    pub drift_px: f64,
-    /// Share of the tracks that turn into outliers at a camera frame, 0 to 1. Default .003.
-    pub outlier_share: f64,
-    /// How far an outlier slides a camera frame, in a direction of its own \[px\], 0 to 1000. Default 2.5.
-    pub outlier_slide_px: f64,
-    /// Share of the outliers that end at a camera frame, 0 to 1. Default .3.
-    pub outlier_end_share: f64,
-    /// Mean time after which a track ends for no reason \[s\], above 0 and up to 1e9. Default 2.5: 2 % a frame at 20 Hz.
-    pub life_time_s: f64,
-    /// A track whose point moves farther than this from one camera frame to the next \[px\] ends; above 0 and up to 10000. Default 60.
-    pub largest_motion_px: f64,
-    /// A longer step between camera frames \[s\] ends all tracks, as a gap in the path does; above 0 and up to 1000. Default .5.
-    pub longest_blind_s: f64,
-    /// Tracks of time t are made from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
-    pub ground_truth_delay_s: f64,
-    /// How ground truth becomes a path.
-    pub path: PathConfig,
-    /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
-    pub camera: Option<CameraSettings>,
-}
-
-impl Default for TracksConfig {
-    fn default() -> Self {
-        Self {
-            world: World::Auto,
-            max_tracks: 150,
-            spacing_px: 30.0,
-            rate_hz: 10.0,
-            pixel_noise_px: 0.5,
-            drift_px: 0.04,
-            outlier_share: 0.003,
-            outlier_slide_px: 2.5,
-            outlier_end_share: 0.3,
-            life_time_s: 2.5,
-            largest_motion_px: 60.0,
-            longest_blind_s: 0.5,
-            ground_truth_delay_s: 0.0,
-            path: PathConfig::default(),
-            camera: None,
-        }
+dpn_core::settings!(
+    /// Settings of simulated tracks. Tracks are a function of this, a path, the camera's stamps and a seed.
+    pub struct TracksConfig {
+        /// Kind of the world. Default `auto`, by the flight's size.
+        pub world: World = World::Auto,
+        /// Most points followed at a time, 1 to 10000. Default 150.
+        pub max_tracks: usize = 150,
+        /// A track is born this far \[px\] from every other at least, 0 to 1000. Default 30.
+        pub spacing_px: f64 = 30.0,
+        /// Frames handed over a second \[Hz\], above 0 and up to 1000: every n-th of the camera's, n the nearest whole number. Default 10.
+        pub rate_hz: f64 = 10.0,
+        /// White noise of a position, each axis \[px\], 0 to 100. Default .5.
+        pub pixel_noise_px: f64 = 0.5,
+        /// Drift: what a camera frame adds to a track's error for good, each axis \[px\], 0 to 100. Default .04.
+        pub drift_px: f64 = 0.04,
+        /// Share of the tracks that turn into outliers at a camera frame, 0 to 1. Default .003.
+        pub outlier_share: f64 = 0.003,
+        /// How far an outlier slides a camera frame, in a direction of its own \[px\], 0 to 1000. Default 2.5.
+        pub outlier_slide_px: f64 = 2.5,
+        /// Share of the outliers that end at a camera frame, 0 to 1. Default .3.
+        pub outlier_end_share: f64 = 0.3,
+        /// Mean time after which a track ends for no reason \[s\], above 0 and up to 1e9. Default 2.5: 2 % a frame at 20 Hz.
+        pub life_time_s: f64 = 2.5,
+        /// A track whose point moves farther than this from one camera frame to the next \[px\] ends; above 0 and up to 10000. Default 60.
+        pub largest_motion_px: f64 = 60.0,
+        /// A longer step between camera frames \[s\] ends all tracks, as a gap in the path does; above 0 and up to 1000. Default .5.
+        pub longest_blind_s: f64 = 0.5,
+        /// Tracks of time t are made from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
+        pub ground_truth_delay_s: f64 = 0.0,
+        /// How ground truth becomes a path.
+        pub path: PathConfig = PathConfig::default(),
+        /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
+        pub camera: Option<CameraSettings> = None,
     }
-}
+);
 
 impl TracksConfig {
     /// A tracker without errors: no noise, no drift, no outliers.

@@ -2,52 +2,35 @@
 
 use dpn_core::config::ConfigFaults;
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
-use serde::{Deserialize, Serialize};
 
-/// How levels are learned, and below what none is believed: the data sheet.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ComponentsConfig {
-    /// Time after which a residual counts for a third \[s\]; 1 to 1000.
-    pub memory_s: f64,
-    /// Residuals are read over so much time \[s\], within the window; 0 to 10. What matters is the error that noise adds up to, and vibration's adds up
-    /// less than white noise: over one interval alone it looks several times as large.
-    pub span_s: f64,
-    /// What is told counts at the start as so many observations of a variance; 0.1 to 1000.
-    pub prior: f64,
-    /// Least noise of the accelerometer \[m/s^2/sqrt(Hz)\]. Default EuRoC's data sheet.
-    pub accel_floor: AccelNoiseDensity,
-    /// Least noise of the gyroscope \[rad/s/sqrt(Hz)\]. Default EuRoC's data sheet.
-    pub gyro_floor: GyroNoiseDensity,
-    /// Least walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\]. Default EuRoC's data sheet.
-    pub accel_walk_floor: AccelBiasWalkDensity,
-    /// Least walk of the gyroscope's bias \[rad/s^2/sqrt(Hz)\]. Default EuRoC's data sheet.
-    pub gyro_walk_floor: GyroBiasWalkDensity,
-    /// Whether the pixels' level is learned too.
-    pub pixels: bool,
-    /// Least deviation of a pixel \[px\] of tracks that are fed.
-    pub pixel_floor: f64,
-    /// The same where points are followed through images. What such a point is off lasts and is shared by its neighbours; residuals within a window show only
-    /// a part of it.
-    pub followed_pixel_floor: f64,
-}
-
-impl Default for ComponentsConfig {
-    fn default() -> Self {
-        Self {
-            memory_s: 10.0,
-            span_s: 1.5,
-            prior: 2.0,
-            accel_floor: AccelNoiseDensity::EUROC,
-            gyro_floor: GyroNoiseDensity::EUROC,
-            accel_walk_floor: AccelBiasWalkDensity::EUROC,
-            gyro_walk_floor: GyroBiasWalkDensity::EUROC,
-            pixels: true,
-            pixel_floor: 0.5,
-            followed_pixel_floor: 0.7,
-        }
+dpn_core::settings!(
+    /// How levels are learned, and below what none is believed: the data sheet.
+    #[derive(Copy)]
+    pub struct ComponentsConfig {
+        /// Time after which a residual counts for a third \[s\]; 1 to 1000.
+        pub memory_s: f64 = 10.0,
+        /// Residuals are read over so much time \[s\], within the window; 0 to 10. What matters is the error that noise adds up to, and vibration's adds up
+        /// less than white noise: over one interval alone it looks several times as large.
+        pub span_s: f64 = 1.5,
+        /// What is told counts at the start as so many observations of a variance; 0.1 to 1000.
+        pub prior: f64 = 2.0,
+        /// Least noise of the accelerometer \[m/s^2/sqrt(Hz)\]. Default EuRoC's data sheet.
+        pub accel_floor: AccelNoiseDensity = AccelNoiseDensity::EUROC,
+        /// Least noise of the gyroscope \[rad/s/sqrt(Hz)\]. Default EuRoC's data sheet.
+        pub gyro_floor: GyroNoiseDensity = GyroNoiseDensity::EUROC,
+        /// Least walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\]. Default EuRoC's data sheet.
+        pub accel_walk_floor: AccelBiasWalkDensity = AccelBiasWalkDensity::EUROC,
+        /// Least walk of the gyroscope's bias \[rad/s^2/sqrt(Hz)\]. Default EuRoC's data sheet.
+        pub gyro_walk_floor: GyroBiasWalkDensity = GyroBiasWalkDensity::EUROC,
+        /// Whether the pixels' level is learned too.
+        pub pixels: bool = true,
+        /// Least deviation of a pixel \[px\] of tracks that are fed.
+        pub pixel_floor: f64 = 0.5,
+        /// The same where points are followed through images. What such a point is off lasts and is shared by its neighbours; residuals within a window show only
+        /// a part of it.
+        pub followed_pixel_floor: f64 = 0.7,
     }
-}
+);
 
 impl ComponentsConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {

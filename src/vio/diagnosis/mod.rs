@@ -12,5 +12,5 @@ mod turn_map;
 
 pub(crate) use axes::compared;
 pub use axes::{Axes, AxesVerdict, axes};
-pub use tracks::{TrackHealth, TrackMeter, track_health};
+pub use tracks::{TrackHealth, TrackMeter};
 pub(crate) use turn_map::Turn;

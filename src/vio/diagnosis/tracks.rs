@@ -107,14 +107,6 @@ impl TrackMeter {
     }
 }
 
-/// Looks at tracks as a whole.
-pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
-    let mut meter = TrackMeter::default();
-    frames.iter().for_each(|frame| meter.frame(frame));
-    frames.windows(2).for_each(|pair| meter.pair(&pair[0], &pair[1], &pair[1].shared(&pair[0])));
-    meter.health()
-}
-
 /// How far each track ends from where the others carry it \[px\]: an affine motion, for a camera that rolls moves its corners against each other.
 fn beyond_the_others(shared: &[(Vector2<f64>, Vector2<f64>)]) -> Vec<f64> {
     let moves: Vec<_> = shared.iter().map(|(before, px)| px - before).collect();
@@ -148,6 +140,13 @@ fn median(moves: &[Vector2<f64>]) -> Vector2<f64> {
 mod tests {
     use super::*;
     use dpn_core::{Stamp, Track};
+
+    fn track_health(frames: &[TrackFrame]) -> TrackHealth {
+        let mut meter = TrackMeter::default();
+        frames.iter().for_each(|frame| meter.frame(frame));
+        frames.windows(2).for_each(|pair| meter.pair(&pair[0], &pair[1], &pair[1].shared(&pair[0])));
+        meter.health()
+    }
 
     /// 128 points that drift by 3 px a frame, their ids by `id`.
     fn frames(id: impl Fn(u64, u64) -> u64) -> Vec<TrackFrame> {

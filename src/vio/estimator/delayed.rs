@@ -9,25 +9,19 @@
 
 use crate::window::{Leaving, Seen, Window};
 use dpn_core::config::ConfigFaults;
-use serde::{Deserialize, Serialize};
 
-/// Settings of delayed marginalisation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct DelayedConfig {
-    /// Whether there is a second window.
-    pub enabled: bool,
-    /// Key frames that the second window has more than the first; 1 to 100.
-    pub key_frames: usize,
-    /// Key frames from one renewal of the prior to the next, by which the second window grows meanwhile; 1 to 100.
-    pub every: usize,
-}
-
-impl Default for DelayedConfig {
-    fn default() -> Self {
-        Self { enabled: true, key_frames: 5, every: 10 }
+dpn_core::settings!(
+    /// Settings of delayed marginalisation.
+    #[derive(Copy, Eq)]
+    pub struct DelayedConfig {
+        /// Whether there is a second window.
+        pub enabled: bool = true,
+        /// Key frames that the second window has more than the first; 1 to 100.
+        pub key_frames: usize = 5,
+        /// Key frames from one renewal of the prior to the next, by which the second window grows meanwhile; 1 to 100.
+        pub every: usize = 10,
     }
-}
+);
 
 impl DelayedConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {

@@ -1,42 +1,29 @@
 //! When an estimate is not to be believed any more.
 
 use crate::state::NavState;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use thiserror::Error;
 
-/// Limits beyond which the estimator gives up and starts again.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct HealthConfig {
-    /// Largest accelerometer bias \[m/s^2\].
-    pub max_accel_bias: f64,
-    /// Largest gyro bias \[rad/s\].
-    pub max_gyro_bias: f64,
-    /// Largest correction of the newest position against the inertial prediction \[m\].
-    pub max_jump: f64,
-    /// Largest speed \[m/s\].
-    pub max_speed: f64,
-    /// A frame with fewer tracks going on than this is starved.
-    pub min_tracks: usize,
-    /// Starvation beyond this is a failure \[s\]: inertial integration alone drifts away in seconds.
-    pub max_starved: f64,
-    /// A step between two samples longer than this is a gap that integration cannot bridge \[s\].
-    pub max_imu_gap: f64,
-}
-
-impl Default for HealthConfig {
-    fn default() -> Self {
-        Self {
-            max_accel_bias: 2.5,
-            max_gyro_bias: 1.0,
-            max_jump: 1.0,
-            max_speed: 50.0,
-            min_tracks: 6,
-            max_starved: 3.0,
-            max_imu_gap: 0.1,
-        }
+dpn_core::settings!(
+    /// Limits beyond which the estimator gives up and starts again.
+    #[derive(Copy)]
+    pub struct HealthConfig {
+        /// Largest accelerometer bias \[m/s^2\].
+        pub max_accel_bias: f64 = 2.5,
+        /// Largest gyro bias \[rad/s\].
+        pub max_gyro_bias: f64 = 1.0,
+        /// Largest correction of the newest position against the inertial prediction \[m\].
+        pub max_jump: f64 = 1.0,
+        /// Largest speed \[m/s\].
+        pub max_speed: f64 = 50.0,
+        /// A frame with fewer tracks going on than this is starved.
+        pub min_tracks: usize = 6,
+        /// Starvation beyond this is a failure \[s\]: inertial integration alone drifts away in seconds.
+        pub max_starved: f64 = 3.0,
+        /// A step between two samples longer than this is a gap that integration cannot bridge \[s\].
+        pub max_imu_gap: f64 = 0.1,
     }
-}
+);
 
 /// Why the estimator started again.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Error)]

@@ -35,7 +35,6 @@ pub use feed_error::FeedError;
 pub use image_tracker::{FrontEndObserver, ImageTracker};
 pub use jump::BiasJump;
 pub use report::{RunReport, Stage};
-pub use spike::without_spikes;
 pub use starter::StartFrame;
 pub use suspects::Suspect;
 pub use trust::{Doubt, doubts, doubts_warning};

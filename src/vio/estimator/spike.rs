@@ -2,7 +2,6 @@
 
 use dpn_core::ImuSample;
 use dpn_core::imu::Sensor;
-use std::borrow::Cow;
 
 /// So many in a row are passed over; more are what the sensor says, in whatever unit.
 const LONGEST_SPIKE: usize = 3;
@@ -32,16 +31,6 @@ impl SpikeFilter {
         self.in_a_row = if found.is_some() { self.in_a_row + 1 } else { 0 };
         found.filter(|_| self.in_a_row <= LONGEST_SPIKE)
     }
-}
-
-/// What of `samples` the estimator takes; themselves where that is all.
-pub fn without_spikes(samples: &[ImuSample]) -> Cow<'_, [ImuSample]> {
-    let mut filter = SpikeFilter::default();
-    if samples.iter().all(|sample| filter.spike(sample).is_none()) {
-        return Cow::Borrowed(samples);
-    }
-    let mut filter = SpikeFilter::default();
-    samples.iter().filter(|sample| filter.spike(sample).is_none()).copied().collect()
 }
 
 #[cfg(test)]

@@ -4,41 +4,28 @@ use super::corners::CornerConfig;
 use super::klt::KltConfig;
 use super::ransac::RansacConfig;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use serde::{Deserialize, Serialize};
 
-/// Settings of the front-end.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct FrontEndConfig {
-    /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
-    pub rate_hz: f64,
-    /// Time from the first line's exposure to the last's \[s\], -.1 (read out from below) to .1, 0 where all are taken at once; images are stamped at their
-    /// middle line (a stamp elsewhere is an offset of the camera's clock). Without it, it is found from how turns bend the flow of points.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub readout_s: Option<f64>,
-    /// What is added to the camera's stamps \[s\], -10 to 10; without it, it is found from the turns of camera and gyroscope, up to .25 s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_offset_s: Option<f64>,
-    /// New points.
-    pub corners: CornerConfig,
-    /// Tracking from image to image.
-    pub klt: KltConfig,
-    /// Consensus between frames that are handed over.
-    pub ransac: RansacConfig,
-}
-
-impl Default for FrontEndConfig {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            readout_s: None,
-            time_offset_s: None,
-            corners: CornerConfig::default(),
-            klt: KltConfig::default(),
-            ransac: RansacConfig::default(),
-        }
+dpn_core::settings!(
+    /// Settings of the front-end.
+    #[derive(Copy)]
+    pub struct FrontEndConfig {
+        /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
+        pub rate_hz: f64 = 10.0,
+        /// Time from the first line's exposure to the last's \[s\], -.1 (read out from below) to .1, 0 where all are taken at once; images are stamped at their
+        /// middle line (a stamp elsewhere is an offset of the camera's clock). Without it, it is found from how turns bend the flow of points.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub readout_s: Option<f64> = None,
+        /// What is added to the camera's stamps \[s\], -10 to 10; without it, it is found from the turns of camera and gyroscope, up to .25 s.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub time_offset_s: Option<f64> = None,
+        /// New points.
+        pub corners: CornerConfig = CornerConfig::default(),
+        /// Tracking from image to image.
+        pub klt: KltConfig = KltConfig::default(),
+        /// Consensus between frames that are handed over.
+        pub ransac: RansacConfig = RansacConfig::default(),
     }
-}
+);
 
 impl Validate for FrontEndConfig {
     fn faults(&self) -> Vec<ConfigFault> {

@@ -1,7 +1,6 @@
 //! What the initialisation is told: how good tracks are, how long it may look back, when it is sure enough.
 
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use serde::{Deserialize, Serialize};
 
 /// Deviation of a track's position in u and in v \[px\] that is assumed before the tracks' own residuals are seen.
 pub(super) const TRACK_STD_PX: f64 = 1.0;
@@ -26,39 +25,25 @@ pub(super) const REST_TRACK_PX: f64 = 1.5;
 /// Shortest rest that is believed \[s\].
 pub(super) const MIN_REST_S: f64 = 0.5;
 
-/// Settings of [`super::Initialiser`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct InitConfig {
-    /// Focal length that turns pixels into angles \[px\]; EuRoC's cam0: 458.
-    pub focal_px: f64,
-    /// Frames in the estimate, the newest included; at least 4.
-    pub max_frames: usize,
-    /// Fewest frames with which an estimate is tried; at least 4.
-    pub min_frames: usize,
-    /// Longest time that the frames may span \[s\]; older ones are dropped.
-    pub max_span_s: f64,
-    /// Largest relative standard deviation of the scale with which the estimate is given out.
-    pub max_scale_std: f64,
-    /// Prior standard deviation of each axis of the accelerometer's bias, here and where the window begins \[m/s^2\].
-    pub accel_bias_std: f64,
-    /// Prior standard deviation of each axis of the gyro's bias, here where no rest was seen and where the window begins \[rad/s\].
-    pub gyro_bias_std: f64,
-}
-
-impl Default for InitConfig {
-    fn default() -> Self {
-        Self {
-            focal_px: 460.0,
-            max_frames: 11,
-            min_frames: 6,
-            max_span_s: 4.0,
-            max_scale_std: 0.3,
-            accel_bias_std: 0.15,
-            gyro_bias_std: 0.1,
-        }
+dpn_core::settings!(
+    /// Settings of [`super::Initialiser`].
+    pub struct InitConfig {
+        /// Focal length that turns pixels into angles \[px\]; EuRoC's cam0: 458.
+        pub focal_px: f64 = 460.0,
+        /// Frames in the estimate, the newest included; at least 4.
+        pub max_frames: usize = 11,
+        /// Fewest frames with which an estimate is tried; at least 4.
+        pub min_frames: usize = 6,
+        /// Longest time that the frames may span \[s\]; older ones are dropped.
+        pub max_span_s: f64 = 4.0,
+        /// Largest relative standard deviation of the scale with which the estimate is given out.
+        pub max_scale_std: f64 = 0.3,
+        /// Prior standard deviation of each axis of the accelerometer's bias, here and where the window begins \[m/s^2\].
+        pub accel_bias_std: f64 = 0.15,
+        /// Prior standard deviation of each axis of the gyro's bias, here where no rest was seen and where the window begins \[rad/s\].
+        pub gyro_bias_std: f64 = 0.1,
     }
-}
+);
 
 impl InitConfig {
     /// Angle of `px` pixels near the principal point \[rad\].

@@ -17,28 +17,19 @@ pub enum ImuCov {
     Vins,
 }
 
-/// What pre-integration has to know besides samples and their noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PreintegrationConfig {
-    /// How sample noise enters the covariance: `exact`, `euler` or `vins`.
-    pub imu_cov: ImuCov,
-    /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\]: under every model its variance grows by the square of this a second.
-    /// Zero makes every covariance singular. Default: VINS-Mono's `acc_w = 4e-5` at its 200 Hz, 2.83e-6.
-    pub accel_bias_walk: AccelBiasWalkDensity,
-    /// Walk of the gyro's bias \[rad/s^2/sqrt(Hz)\], likewise. Default: VINS-Mono's `gyr_w = 2e-6` at its 200 Hz, 1.41e-7.
-    pub gyro_bias_walk: GyroBiasWalkDensity,
-}
-
-impl Default for PreintegrationConfig {
-    fn default() -> Self {
-        Self {
-            imu_cov: ImuCov::default(),
-            accel_bias_walk: AccelBiasRateStd::VINS_MONO.to_density(SampleRate::HZ_200),
-            gyro_bias_walk: GyroBiasRateStd::VINS_MONO.to_density(SampleRate::HZ_200),
-        }
+dpn_core::settings!(
+    /// What pre-integration has to know besides samples and their noise.
+    #[derive(Copy)]
+    pub struct PreintegrationConfig {
+        /// How sample noise enters the covariance: `exact`, `euler` or `vins`.
+        pub imu_cov: ImuCov = ImuCov::default(),
+        /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\]: under every model its variance grows by the square of this a second.
+        /// Zero makes every covariance singular. Default: VINS-Mono's `acc_w = 4e-5` at its 200 Hz, 2.83e-6.
+        pub accel_bias_walk: AccelBiasWalkDensity = AccelBiasRateStd::VINS_MONO.to_density(SampleRate::HZ_200),
+        /// Walk of the gyro's bias \[rad/s^2/sqrt(Hz)\], likewise. Default: VINS-Mono's `gyr_w = 2e-6` at its 200 Hz, 1.41e-7.
+        pub gyro_bias_walk: GyroBiasWalkDensity = GyroBiasRateStd::VINS_MONO.to_density(SampleRate::HZ_200),
     }
-}
+);
 
 #[cfg(test)]
 mod tests {

@@ -17,61 +17,40 @@ pub enum Handover {
     Consume,
 }
 
-/// Settings of the sliding window and its solver.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WindowConfig {
-    /// Key frames beside the newest frame; 3 to 30.
-    pub key_frames: usize,
-    /// Standard deviation of a track's pixel \[px\].
-    pub pixel_std: f64,
-    /// How far a large visual residual may pull.
-    pub loss: Loss,
-    /// Where the loss turns \[standard deviations\], of tracks whose sightings err each for itself.
-    pub loss_scale: f64,
-    /// Where the loss turns where points are followed through images \[px\]: what one is off beyond that is a fault of following, however little its pixels
-    /// are believed.
-    pub followed_loss_px: f64,
-    /// Mean rotation-compensated parallax that makes a key frame \[px\].
-    pub key_frame_parallax_px: f64,
-    /// Fewer tracks than this in common with the last key frame make one.
-    pub key_frame_min_tracks: usize,
-    /// So does a smaller share of a frame's tracks than this; 0 to 1.
-    pub key_frame_min_share: f64,
-    /// Smallest angle between rays that lets a depth be told \[rad\].
-    pub min_triangulation_angle: f64,
-    /// A sighting farther than this from its landmark is an outlier and ends the track \[px\].
-    pub outlier_px: f64,
-    /// Steps of the solver a frame, at most.
-    pub max_iterations: usize,
-    /// The solver stops when a step lowers the cost by less than this share.
-    pub cost_tolerance: f64,
-    /// Tracks that outlive their host.
-    pub handover: Handover,
-    /// Whether the camera's place on the body is estimated.
-    pub estimate_extrinsics: bool,
-    /// Whether the camera clock's offset is estimated.
-    pub estimate_time_offset: bool,
-}
-
-impl Default for WindowConfig {
-    fn default() -> Self {
-        Self {
-            key_frames: 10,
-            pixel_std: 0.7,
-            loss: Loss::Huber,
-            loss_scale: 1.5,
-            followed_loss_px: 0.5,
-            key_frame_parallax_px: 10.0,
-            key_frame_min_tracks: 20,
-            key_frame_min_share: 0.5,
-            min_triangulation_angle: 0.01,
-            outlier_px: 6.0,
-            max_iterations: 8,
-            cost_tolerance: 1e-2,
-            handover: Handover::Split,
-            estimate_extrinsics: false,
-            estimate_time_offset: false,
-        }
+dpn_core::settings!(
+    /// Settings of the sliding window and its solver.
+    #[derive(Copy)]
+    pub struct WindowConfig {
+        /// Key frames beside the newest frame; 3 to 30.
+        pub key_frames: usize = 10,
+        /// Standard deviation of a track's pixel \[px\].
+        pub pixel_std: f64 = 0.7,
+        /// How far a large visual residual may pull.
+        pub loss: Loss = Loss::Huber,
+        /// Where the loss turns \[standard deviations\], of tracks whose sightings err each for itself.
+        pub loss_scale: f64 = 1.5,
+        /// Where the loss turns where points are followed through images \[px\]: what one is off beyond that is a fault of following, however little its pixels
+        /// are believed.
+        pub followed_loss_px: f64 = 0.5,
+        /// Mean rotation-compensated parallax that makes a key frame \[px\].
+        pub key_frame_parallax_px: f64 = 10.0,
+        /// Fewer tracks than this in common with the last key frame make one.
+        pub key_frame_min_tracks: usize = 20,
+        /// So does a smaller share of a frame's tracks than this; 0 to 1.
+        pub key_frame_min_share: f64 = 0.5,
+        /// Smallest angle between rays that lets a depth be told \[rad\].
+        pub min_triangulation_angle: f64 = 0.01,
+        /// A sighting farther than this from its landmark is an outlier and ends the track \[px\].
+        pub outlier_px: f64 = 6.0,
+        /// Steps of the solver a frame, at most.
+        pub max_iterations: usize = 8,
+        /// The solver stops when a step lowers the cost by less than this share.
+        pub cost_tolerance: f64 = 1e-2,
+        /// Tracks that outlive their host.
+        pub handover: Handover = Handover::Split,
+        /// Whether the camera's place on the body is estimated.
+        pub estimate_extrinsics: bool = false,
+        /// Whether the camera clock's offset is estimated.
+        pub estimate_time_offset: bool = false,
     }
-}
+);

@@ -1,7 +1,6 @@
 //! Settings of the vibration: how fast the rotors turn, how they wander, what reaches which axis.
 
 use dpn_core::config::ConfigFaults;
-use serde::{Deserialize, Serialize};
 
 /// Deviations one axis shows in a steady hover of a flight of level 1, in the sensor's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,24 +28,24 @@ pub(super) const LOW_LINE_HZ: f64 = 27.0;
 /// Deviation of the same \[Hz\]; its correlation time is .3 s.
 pub(super) const LOW_LINE_WANDER_HZ: f64 = 2.0;
 
-/// Vibration of a multirotor's frame, fitted to EuRoC's in-flight spectra.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct VibrationConfig {
-    /// Scales all vibration, 0 to 100; 0 switches it off. Default 1.
-    pub scale: f64,
-    /// Number of rotors, 1 to 16. Default 6 (EuRoC's Firefly).
-    pub rotors: u32,
-    /// Turns a second of a rotor in hover \[Hz\], 10 to 400; it grows with the square root of thrust. Default 91.5.
-    pub hover_hz: f64,
-    /// Deviation of the rotors' fixed differences in speed, 0 to .3. Default .035.
-    pub rotor_spread: f64,
-    /// Deviation of a rotor's wandering speed, 0 to .3. Default .035.
-    pub speed_wander: f64,
-    /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to .3; the low line and the
-    /// broad band come in bursts, with 4 and 2.5 times as much. Default .12.
-    pub amplitude_wander: f64,
-}
+dpn_core::settings!(
+    /// Vibration of a multirotor's frame, fitted to EuRoC's in-flight spectra.
+    pub struct VibrationConfig {
+        /// Scales all vibration, 0 to 100; 0 switches it off. Default 1.
+        pub scale: f64 = 1.0,
+        /// Number of rotors, 1 to 16. Default 6 (EuRoC's Firefly).
+        pub rotors: u32 = 6,
+        /// Turns a second of a rotor in hover \[Hz\], 10 to 400; it grows with the square root of thrust. Default 91.5.
+        pub hover_hz: f64 = 91.5,
+        /// Deviation of the rotors' fixed differences in speed, 0 to .3. Default .035.
+        pub rotor_spread: f64 = 0.035,
+        /// Deviation of a rotor's wandering speed, 0 to .3. Default .035.
+        pub speed_wander: f64 = 0.035,
+        /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to .3; the low line and the
+        /// broad band come in bursts, with 4 and 2.5 times as much. Default .12.
+        pub amplitude_wander: f64 = 0.12,
+    }
+);
 
 /// An axis that hears nothing.
 pub(super) const SILENT: AxisVibration = axis([0.0; 3], 0.0, 0.0, 40.0);
@@ -66,19 +65,6 @@ pub(super) const AXES: [AxisVibration; 6] = [
     axis([0.0300, 0.0030, 0.0060], 0.0065, 0.0400, 9.5),
     axis([0.0150, 0.0020, 0.0045], 0.0060, 0.0420, 7.5),
 ];
-
-impl Default for VibrationConfig {
-    fn default() -> Self {
-        Self {
-            scale: 1.0,
-            rotors: 6,
-            hover_hz: 91.5,
-            rotor_spread: 0.035,
-            speed_wander: 0.035,
-            amplitude_wander: 0.12,
-        }
-    }
-}
 
 impl VibrationConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {

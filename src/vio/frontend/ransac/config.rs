@@ -13,19 +13,14 @@ pub enum Geometry {
     Fundamental,
 }
 
-/// Settings of the consensus.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RansacConfig {
-    /// Largest distance of a track that agrees \[px at the image's centre\], above 0, at most 20. Default 1, VINS-Mono's.
-    pub threshold_px: f64,
-}
-
-impl Default for RansacConfig {
-    fn default() -> Self {
-        Self { threshold_px: 1.0 }
+dpn_core::settings!(
+    /// Settings of the consensus.
+    #[derive(Copy)]
+    pub struct RansacConfig {
+        /// Largest distance of a track that agrees \[px at the image's centre\], above 0, at most 20. Default 1, VINS-Mono's.
+        pub threshold_px: f64 = 1.0,
     }
-}
+);
 
 impl Validate for RansacConfig {
     fn faults(&self) -> Vec<ConfigFault> {
