@@ -3,7 +3,7 @@
 //! Every cell whose poses have covariances (`covariance = true` in the estimator's settings) leaves a file `nees/CELL.csv`: stamp, NEES of
 //! position, NEES of orientation. [`consistency`] puts the seeds of one sequence and one noise together.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::row::Row;
 use super::sweep_plan::nees_path;
 use crate::metrics::{NeesReport, PoseNees, nees_report};
@@ -76,8 +76,7 @@ pub fn consistency(dir: &ResultPath, rows: &[Row]) -> Result<Vec<Consistency>, C
     }
     let mut reports = Vec::new();
     for (sequence, noise, runs) in found {
-        let report = nees_report(&runs, CONFIDENCE)
-            .map_err(|source| ClosedLoopError::Metrics { sequence: sequence.clone(), source })?;
+        let report = nees_report(&runs, CONFIDENCE).of_sequence(&sequence)?;
         reports.extend(report.map(|nees| Consistency { sequence, noise, nees }));
     }
     Ok(reports)

@@ -1,9 +1,10 @@
 //! One run of the estimator over one recording.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::image_report::ImageReport;
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
+use super::sequence_fault::SequenceFault;
 use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
@@ -88,13 +89,9 @@ pub fn frames_from<'a>(
 
 /// The same of the frames' stamps alone.
 pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Result<(), ClosedLoopError> {
-    let sequence = || recording.name.clone();
-    let nothing_left = |seconds| ClosedLoopError::NothingLeft {
-        sequence: sequence(),
-        seconds,
-        from_s: span.from_s,
-        to_s: span.to_s,
-        needed: FEWEST_FRAMES,
+    let nothing_left = |seconds| {
+        let Span { from_s, to_s } = *span;
+        SequenceFault::NothingLeft { seconds, from_s, to_s, needed: FEWEST_FRAMES }.of(&recording.name)
     };
     let (Some(&first), Some(&last)) = (stamps.first(), stamps.last()) else { return Err(nothing_left(0.0)) };
     if stamps.len() < FEWEST_FRAMES {
@@ -104,15 +101,15 @@ pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Re
     let (imu_first, imu_last) = (samples[0].t, samples[samples.len() - 1].t);
     let inside = |stamps: &[Stamp]| stamps.iter().filter(|t| (imu_first..=imu_last).contains(t)).count();
     if inside(stamps) < FEWEST_FRAMES {
-        return Err(ClosedLoopError::Apart {
-            sequence: sequence(),
+        let apart = SequenceFault::Apart {
             frames: stamps.len(),
             first_ns: first.ns(),
             last_ns: last.ns(),
             imu_first_ns: imu_first.ns(),
             imu_last_ns: imu_last.ns(),
             needed: FEWEST_FRAMES,
-        });
+        };
+        return Err(apart.of(&recording.name));
     }
     if inside(span.of(stamps, |t| *t)) < FEWEST_FRAMES {
         return Err(nothing_left(last.seconds_since(first)));
@@ -139,7 +136,7 @@ pub fn drive(
     drive_tracks(config, recording, frames, noise, seed, &mut |_, _| ControlFlow::Continue(()))
 }
 
-/// Is shown every update and the window it left; may end the run, which is [`ClosedLoopError::RunStopped`].
+/// Is shown every update and the window it left; may end the run, which is [`SequenceFault::RunStopped`].
 pub type UpdateWatch<'a> = dyn FnMut(&Update, &Window) -> ControlFlow<()> + 'a;
 
 /// [`drive`], watched.
@@ -151,17 +148,16 @@ pub(super) fn drive_tracks(
     seed: u64,
     watch: &mut UpdateWatch<'_>,
 ) -> Result<EstimatorOutput, ClosedLoopError> {
-    let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut run = Run::new(config, recording, noise, seed)?;
     let first = frames.first().expect("there is no run without frames");
     let mut samples = SampleWalk::of_camera(recording.imu.samples(), first.t);
     for frame in frames {
         for place in samples.until(frame.t) {
-            run.feed_sample(place).map_err(refused)?;
+            run.feed_sample(place).of_sequence(&recording.name)?;
         }
-        run.estimator.feed_frame(frame.clone()).map_err(refused)?;
+        run.estimator.feed_frame(frame.clone()).of_sequence(&recording.name)?;
         if run.take_updates(watch).is_break() {
-            return Err(ClosedLoopError::RunStopped { sequence: recording.name.clone() });
+            return Err(SequenceFault::RunStopped.of(&recording.name));
         }
     }
     Ok(run.finish(frames.iter().map(|frame| frame.t).collect()))
@@ -210,7 +206,7 @@ pub(super) fn drive_images(
         Ok(())
     })?;
     if stopped.get() {
-        return Err(ClosedLoopError::RunStopped { sequence: recording.name.clone() });
+        return Err(SequenceFault::RunStopped.of(&recording.name));
     }
     let images = log.finish(recording)?;
     Ok((run.finish(stamps), images))

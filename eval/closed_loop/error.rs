@@ -1,20 +1,16 @@
 //! Why the loop was not closed.
 
+use super::sequence_fault::SequenceFault;
 use super::sequence_name::meant;
 use super::source_error::SourceError;
-use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
 use crate::stats::StatsError;
-use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
 use dpn_io::calibration::CalibrationError;
 use dpn_io::config::ConfigError;
-use dpn_io::{Coverage, IoError, LockError};
+use dpn_io::{IoError, LockError};
 use dpn_logs::LogError;
 use dpn_sim::SimulationError;
-use dpn_sim::render::RenderError;
-use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
-use dpn_vio::estimator::FeedError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -54,45 +50,13 @@ pub enum ClosedLoopError {
     /// A simulated flight that cannot be.
     #[error(transparent)]
     Flight(#[from] SimulationError),
-    /// Ground truth that tracks cannot be made along.
-    #[error("{sequence}: no camera tracks can be made along its ground truth")]
-    Path {
-        /// The sequence.
+    /// A sequence that cannot be run.
+    #[error("{sequence}: {source}")]
+    Sequence {
+        /// Its name.
         sequence: String,
         /// Why.
-        source: PathError,
-    },
-    /// Tracks that cannot be made.
-    #[error("{sequence}: no camera tracks can be made")]
-    Tracks {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: TracksError,
-    },
-    /// Images that cannot be rendered.
-    #[error("{sequence}: nothing can be rendered: {source}")]
-    Render {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: RenderError,
-    },
-    /// A camera configuration that describes no camera.
-    #[error("{sequence}: its camera cannot be used")]
-    Camera {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: BadCamera,
-    },
-    /// Settings of a camera that is none.
-    #[error("{sequence}: its camera cannot be used")]
-    CameraSettings {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: BadCameraSettings,
+        source: SequenceFault,
     },
     /// Given tracks, and nobody knows what camera took them.
     #[error("{}: no cam0/sensor.yaml, so nobody knows what camera the tracks are from; put the camera's calibration there", dir.display())]
@@ -105,40 +69,6 @@ pub enum ClosedLoopError {
     NoGroundTruth {
         /// Folder of the sequence.
         dir: PathBuf,
-    },
-    /// Images are to be looked at, and there are none.
-    #[error("{sequence}: it has no images{}", if *asked { " in the part that is to be run" } else { "" })]
-    NoImages {
-        /// The sequence.
-        sequence: String,
-        /// Whether there are some elsewhere in it.
-        asked: bool,
-    },
-    /// Images are listed that are not there.
-    #[error("{sequence}: {coverage}")]
-    ImagesMissing {
-        /// The sequence.
-        sequence: String,
-        /// What there is, over all images listed.
-        coverage: Box<Coverage>,
-    },
-    /// Images were looked at, and none showed anything.
-    #[error("{sequence}: no track in its {images} images; {why}")]
-    NothingTracked {
-        /// The sequence.
-        sequence: String,
-        /// How many there were.
-        images: usize,
-        /// What was wrong with most of them.
-        why: String,
-    },
-    /// Tracks where there are none: a flight has no file of them, and images are yet to be followed through.
-    #[error(
-        "{sequence}: it has no file of tracks; a flight's are made with it, and images are followed by the odometry"
-    )]
-    NoTracks {
-        /// The sequence.
-        sequence: String,
     },
     /// A name no sequence has.
     #[error("no sequence is called `{name}`; there are {}{}", known.join(", "), meant(name, known))]
@@ -155,67 +85,6 @@ pub enum ClosedLoopError {
         name: String,
         /// What it may mean.
         found: Vec<String>,
-    },
-    /// Tracks and samples that have (almost) nothing in common.
-    #[error(
-        "{sequence}: its {frames} frames go from {first_ns} to {last_ns} ns, its IMU from {imu_first_ns} to {imu_last_ns} ns: fewer than {needed} frames have samples; are both on one clock, and the tracks this sequence's?"
-    )]
-    Apart {
-        /// The sequence.
-        sequence: String,
-        /// How many frames there are.
-        frames: usize,
-        /// The first frame.
-        first_ns: i64,
-        /// The last one.
-        last_ns: i64,
-        /// The first sample.
-        imu_first_ns: i64,
-        /// The last one.
-        imu_last_ns: i64,
-        /// How many frames with samples a run needs.
-        needed: usize,
-    },
-    /// Nothing is left between the start and the end that were asked for.
-    #[error(
-        "{sequence}: its frames last {seconds:.1} s; what is run, from {from_s} s{}, has fewer than {needed}",
-        to_s.map_or_else(String::new, |to| format!(" to {to} s"))
-    )]
-    NothingLeft {
-        /// The sequence.
-        sequence: String,
-        /// From the first to the last frame \[s\].
-        seconds: f64,
-        /// The start asked for \[s\].
-        from_s: f64,
-        /// The end asked for \[s\].
-        to_s: Option<f64>,
-        /// How many frames a run needs.
-        needed: usize,
-    },
-    /// Ids that do not stay with their points.
-    #[error("{sequence}: {problem}")]
-    TrackIds {
-        /// The sequence.
-        sequence: String,
-        /// What is wrong, with the measured share.
-        problem: String,
-    },
-    /// Input the estimator does not take.
-    #[error("{sequence}: {source}")]
-    Feed {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: FeedError,
-    },
-    /// Ground truth or estimate that cannot be judged.
-    #[error("{sequence}: {source}")]
-    Metrics {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: MetricsError,
     },
     /// Errors that cannot be compared.
     #[error("the noises cannot be compared: {0}")]
@@ -252,12 +121,6 @@ pub enum ClosedLoopError {
         /// What is wrong.
         message: String,
     },
-    /// Who looked on wanted no more.
-    #[error("{sequence}: the run was stopped")]
-    RunStopped {
-        /// The sequence.
-        sequence: String,
-    },
     /// Stopped from outside; what is finished is kept.
     #[error("stopped after {done} of {total} cells")]
     Stopped {
@@ -289,24 +152,31 @@ impl ClosedLoopError {
             Self::Noise(error) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),
             Self::BadRow { .. } => Some("remove the line; its cell is run again".into()),
-            Self::NoImages { asked: true, .. } => {
-                Some("look at --from and --to: seconds after the first image".into())
-            }
-            Self::NothingLeft { .. } => {
-                Some("record for longer, or name a longer part with --from and --to".into())
-            }
-            Self::NoImages { .. } => Some(
-                "leave --camera away, and tracks are made along the ground truth; or unpack the images"
-                    .into(),
-            ),
-            Self::ImagesMissing { coverage, .. } => Some(match coverage.longest_s() {
-                Some([from, to]) => format!(
-                    "run what is there with --from {from} --to {to}, pass over what is not with --skip-missing, or unpack the rest"
-                ),
-                None => "unpack the images into cam0/data, or leave --camera away".into(),
-            }),
+            Self::Sequence { source, .. } => source.hint(),
             Self::Stopped { .. } => Some("the same command goes on where it stopped".into()),
             _ => None,
         }
+    }
+}
+
+impl SequenceFault {
+    /// The same of the sequence with this name.
+    pub fn of(self, sequence: impl Into<String>) -> ClosedLoopError {
+        ClosedLoopError::Sequence { sequence: sequence.into(), source: self }
+    }
+}
+
+/// A result whose fault is a sequence's.
+pub(crate) trait OfSequence<T> {
+    /// The same with the sequence's name.
+    ///
+    /// # Errors
+    /// The fault, with the name.
+    fn of_sequence(self, sequence: &str) -> Result<T, ClosedLoopError>;
+}
+
+impl<T, E: Into<SequenceFault>> OfSequence<T> for Result<T, E> {
+    fn of_sequence(self, sequence: &str) -> Result<T, ClosedLoopError> {
+        self.map_err(|fault| fault.into().of(sequence))
     }
 }

@@ -17,101 +17,71 @@ use dpn_pronet::network::Network;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// An experiment: every sequence with every noise and every seed. The keys are the flags of `dpn eval --closed-loop`, and their defaults are the same.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Experiment {
-    /// `closed-loop`.
-    pub kind: String,
-    /// Folder of ASL sequences, or of datasets as unpacked, or a log with images; without it the simulated flights.
-    pub data: Option<PathBuf>,
-    /// Folder of trained networks; without it those that come with the program.
-    pub models: Option<PathBuf>,
-    /// What the odometry sees.
-    pub camera: Camera,
-    /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
-    pub tracks: Option<PathBuf>,
-    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one. Of a log with images, also a file of true poses.
-    pub truth: Option<PathBuf>,
-    /// A calibration in place of every sequence's own; `dpn eval --closed-loop --calib` alone has it.
-    #[serde(skip)]
-    pub calibration: Option<Calibration>,
-    /// Whether images that are listed but not there are passed over.
-    pub skip_missing: bool,
-    /// Where `data` is a bag: its topic of images; without it, the only one.
-    pub image_topic: Option<String>,
-    /// Where `data` is a bag: its IMU's topic; without it, the only one.
-    pub topic: Option<String>,
-    /// `all`, or names with commas between.
-    pub sequences: String,
-    /// The noises given.
-    pub noises: Vec<NoiseSpec>,
-    /// The first seed.
-    pub seed: u64,
-    /// How many seeds, from the first on; 1 to 10000.
-    pub seeds: u64,
-    /// More noises.
-    pub others: Vec<NoiseSpec>,
-    /// How many seeds those have, from the first on; 1 to 10000.
-    pub other_seeds: u64,
-    /// Seconds after the first frame at which runs begin; or `table`.
-    pub from: StartAt,
-    /// Seconds after the first frame at which runs end.
-    pub to: Option<f64>,
-    /// The estimator.
-    pub estimator: Settings<EstimatorConfig>,
-    /// Simulated tracks.
-    pub simulated_tracks: Settings<TracksConfig>,
-    /// Rendered images.
-    pub images: Settings<RenderConfig>,
-    /// Simulated flights.
-    pub flights: Settings<FlightConfig>,
-    /// Noise of a known course that is added to every recording.
-    pub injection: Option<Settings<Injection>>,
-    /// Whether every run's trajectory is kept.
-    pub trajectories: bool,
-    /// Whether every run's NEES is, where the estimator gives covariances.
-    pub nees: bool,
-    /// Noises whose runs' states are kept, those of the first seed.
-    pub states: Vec<NoiseSpec>,
-}
-
-impl Default for Experiment {
-    fn default() -> Self {
-        let noises = ["x0.5", "x1", "x2", "x4", "x8", "self", "dualpronet"];
-        Self {
-            kind: "closed-loop".into(),
-            data: None,
-            models: None,
-            camera: Camera::Tracks,
-            tracks: None,
-            truth: None,
-            calibration: None,
-            skip_missing: false,
-            image_topic: None,
-            topic: None,
-            sequences: "all".into(),
-            noises: noises.map(|noise| noise.parse().expect("a noise spec")).to_vec(),
-            seed: 0,
-            seeds: 1,
-            others: Vec::new(),
-            other_seeds: 1,
-            from: StartAt::default(),
-            to: None,
-            estimator: Settings::default(),
-            simulated_tracks: Settings::default(),
-            images: Settings::default(),
-            flights: Settings::default(),
-            injection: None,
-            trajectories: false,
-            nees: true,
-            states: Vec::new(),
-        }
+dpn_core::settings!(
+    /// An experiment: every sequence with every noise and every seed. The keys are the flags of `dpn eval --closed-loop`, and their defaults are the same.
+    pub struct Experiment {
+        /// `closed-loop`.
+        pub kind: String = "closed-loop".into(),
+        /// Folder of ASL sequences, or of datasets as unpacked, or a log with images; without it the simulated flights.
+        pub data: Option<PathBuf> = None,
+        /// Folder of trained networks; without it those that come with the program.
+        pub models: Option<PathBuf> = None,
+        /// What the odometry sees.
+        pub camera: Camera = Camera::Tracks,
+        /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
+        pub tracks: Option<PathBuf> = None,
+        /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one. Of a log with images, also a file of true poses.
+        pub truth: Option<PathBuf> = None,
+        /// A calibration in place of every sequence's own; `dpn eval --closed-loop --calib` alone has it.
+        #[serde(skip)]
+        pub calibration: Option<Calibration> = None,
+        /// Whether images that are listed but not there are passed over.
+        pub skip_missing: bool = false,
+        /// Where `data` is a bag: its topic of images; without it, the only one.
+        pub image_topic: Option<String> = None,
+        /// Where `data` is a bag: its IMU's topic; without it, the only one.
+        pub topic: Option<String> = None,
+        /// `all`, or names with commas between.
+        pub sequences: String = "all".into(),
+        /// The noises given.
+        pub noises: Vec<NoiseSpec> = usual_noises(),
+        /// The first seed.
+        pub seed: u64 = 0,
+        /// How many seeds, from the first on; 1 to 10000.
+        pub seeds: u64 = 1,
+        /// More noises.
+        pub others: Vec<NoiseSpec> = Vec::new(),
+        /// How many seeds those have, from the first on; 1 to 10000.
+        pub other_seeds: u64 = 1,
+        /// Seconds after the first frame at which runs begin; or `table`.
+        pub from: StartAt = StartAt::default(),
+        /// Seconds after the first frame at which runs end.
+        pub to: Option<f64> = None,
+        /// The estimator.
+        pub estimator: Settings<EstimatorConfig> = Settings::default(),
+        /// Simulated tracks.
+        pub simulated_tracks: Settings<TracksConfig> = Settings::default(),
+        /// Rendered images.
+        pub images: Settings<RenderConfig> = Settings::default(),
+        /// Simulated flights.
+        pub flights: Settings<FlightConfig> = Settings::default(),
+        /// Noise of a known course that is added to every recording.
+        pub injection: Option<Settings<Injection>> = None,
+        /// Whether every run's trajectory is kept.
+        pub trajectories: bool = false,
+        /// Whether every run's NEES is, where the estimator gives covariances.
+        pub nees: bool = true,
+        /// Noises whose runs' states are kept, those of the first seed.
+        pub states: Vec<NoiseSpec> = Vec::new(),
     }
+);
+
+fn usual_noises() -> Vec<NoiseSpec> {
+    let noises = ["x0.5", "x1", "x2", "x4", "x8", "self", "dualpronet"];
+    noises.map(|noise| noise.parse().expect("a noise spec")).to_vec()
 }
 
 impl Experiment {

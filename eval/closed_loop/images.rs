@@ -5,6 +5,7 @@
 
 use super::error::ClosedLoopError;
 use super::recording::Span;
+use super::sequence_fault::SequenceFault;
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
@@ -41,20 +42,14 @@ pub(super) fn of_folder(
     let all = ImageFolder::open(sequence)?;
     let stamps: Vec<_> = all.stamps().collect();
     let Some(listed) = span.of(&stamps, |t| *t).first().zip(span.of(&stamps, |t| *t).last()) else {
-        return Err(ClosedLoopError::NoImages {
-            sequence: sequence.name().to_owned(),
-            asked: !all.is_empty(),
-        });
+        return Err(SequenceFault::NoImages { asked: !all.is_empty() }.of(sequence.name()));
     };
     let folder = all.clone().between(*listed.0, *listed.1);
     let coverage = folder.coverage();
     let enough = coverage.is_complete() || (skip_missing && coverage.present() > 0);
     if !enough {
-        return Err(ClosedLoopError::ImagesMissing {
-            sequence: sequence.name().to_owned(),
-            // Counted from the first image listed, as --from and --to are.
-            coverage: Box::new(all.coverage()),
-        });
+        // Counted from the first image listed, as --from and --to are.
+        return Err(SequenceFault::ImagesMissing(Box::new(all.coverage())).of(sequence.name()));
     }
     let folder = if skip_missing { folder.only_present() } else { folder };
     let stamps: Vec<Stamp> = folder.stamps().collect();

@@ -1,7 +1,7 @@
 //! From a finished run and the truth to a row.
 
 use super::drive::EstimatorOutput;
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::image_report::FrontEndFigures;
 use super::recording::{Recording, Span, first_motion};
 use super::row::{Failure, Restart, Row, StageSeconds, TruthKind};
@@ -220,7 +220,7 @@ pub fn judge(
     let covariances = output.covariances();
     let errors = match &recording.truth {
         Some(truth) => Errors::of(truth, &poses, covariances.as_deref(), output.report.anchor.as_ref())
-            .map_err(|source| ClosedLoopError::Metrics { sequence: recording.name.clone(), source })?,
+            .of_sequence(&recording.name)?,
         None => Errors::default(),
     };
     let report = &output.report;

@@ -11,6 +11,7 @@ use super::recording::{Recording, Span};
 use super::rhythm::Rhythm;
 use super::row::{Row, TruthKind};
 use super::scale_known::ScaleKnown;
+use super::sequence_fault::SequenceFault;
 use super::tracking::CameraInput;
 use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
@@ -207,7 +208,7 @@ fn fit(recording: &Recording, log: &FrameLog) -> Result<(), ClosedLoopError> {
     let stamps: Vec<Stamp> = log.seen().iter().map(|frame| frame.t).collect();
     enough(recording, &stamps, &Span::from(0.0))?;
     match log.health().fault() {
-        Some(problem) => Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem }),
+        Some(problem) => Err(SequenceFault::TrackIds(problem).of(&recording.name)),
         None => Ok(()),
     }
 }

@@ -1,8 +1,9 @@
 //! A log with images as a sequence: a bag, or a folder with `times.txt`, and the camera's calibration.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
+use super::sequence_fault::SequenceFault;
 use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::checksum::hex;
 use dpn_core::trajectory::StampedPose;
@@ -89,8 +90,7 @@ impl LoggedSequence {
     /// No calibration that can be used; as [`ImageLog::imu`].
     pub(super) fn recording(&self) -> Result<Recording, ClosedLoopError> {
         let (name, config) = (self.name(), self.camera());
-        let camera = CameraModel::try_from(config)
-            .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
+        let camera = CameraModel::try_from(config).of_sequence(&name)?;
         let log = self.log.imu(size(config))?;
         let mut remarks = log.warnings();
         if !log.guesses.is_empty() {
@@ -117,10 +117,7 @@ impl LoggedSequence {
         if self.log.is_folder() {
             let coverage = self.log.folder(size)?.coverage();
             if !coverage.is_complete() {
-                return Err(ClosedLoopError::ImagesMissing {
-                    sequence: self.name(),
-                    coverage: Box::new(coverage),
-                });
+                return Err(SequenceFault::ImagesMissing(Box::new(coverage)).of(self.name()));
             }
         }
         let images = self.log.images(size, ImageSpan { from_s: span.from_s, to_s: span.to_s })?;

@@ -5,7 +5,7 @@ use super::sweep_plan::Sweep;
 use crate::noise::NoiseError;
 use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -95,7 +95,7 @@ impl Manifest {
             }
         }
         let text = serde_json::to_string_pretty(&self).expect("texts and JSON values") + "\n";
-        Ok(atomic_write(&path, |out| out.write_all(text.as_bytes()))?)
+        Ok(write_file(&path, &text)?)
     }
 
     /// The first thing in which `there` is of another run. Networks are none: which of them a cell asks is in the cell's own checksum.

@@ -1,8 +1,9 @@
 //! Images rendered along a path while they are looked at, so that the whole pipeline runs where no image can be had.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::images::ImageStream;
 use super::recording::Span;
+use super::sequence_fault::SequenceFault;
 use dpn_core::Stamp;
 use dpn_io::Prefetch;
 use dpn_sim::RenderedCamera;
@@ -24,13 +25,11 @@ pub(super) fn rendered(
     seed: u64,
     span: &Span,
 ) -> Result<ImageStream<'static>, ClosedLoopError> {
-    let mut camera = RenderedCamera::new(config, path, seed)
-        .map_err(|source| ClosedLoopError::Render { sequence: sequence.to_owned(), source })?;
+    let mut camera = RenderedCamera::new(config, path, seed).of_sequence(sequence)?;
     let known: Vec<Stamp> = stamps.iter().copied().filter(|t| camera.takes(*t)).collect();
     let asked = span.of(&known, |t| *t).to_vec();
     if asked.is_empty() {
-        let asked = !known.is_empty();
-        return Err(ClosedLoopError::NoImages { sequence: sequence.to_owned(), asked });
+        return Err(SequenceFault::NoImages { asked: !known.is_empty() }.of(sequence));
     }
     Ok(Box::new(Prefetch::spawn(AHEAD, move |send| {
         let mut image = |t| camera.image(t).expect("only stamps at which the path is known were asked for");

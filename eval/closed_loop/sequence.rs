@@ -1,9 +1,10 @@
 //! A sequence of a set as an estimator wants it: its recording, and what the odometry sees of it.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::images::of_folder;
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
+use super::sequence_fault::SequenceFault;
 use super::sequence_set::{SequenceSet, Sequences, TrackSource, tracks_file};
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
@@ -65,7 +66,7 @@ impl SequenceSet {
                 of_folder(&sequences[place].0, span, *skip_missing)?
             }
             (TrackSource::Images { .. }, Sequences::Flights(_)) => {
-                return Err(ClosedLoopError::NoImages { sequence: self.name(place), asked: false });
+                return Err(SequenceFault::NoImages { asked: false }.of(self.name(place)));
             }
             (TrackSource::Rendered(config), _) => {
                 let camera = self.settled(place, config.camera)?;
@@ -96,9 +97,9 @@ impl SequenceSet {
                 let (path, stamps) = self.path(place, seed, &config.path)?;
                 let camera = self.settled(place, config.camera)?;
                 simulate_tracks(&TracksConfig { camera, ..config.clone() }, &*path, &stamps, seed)
-                    .map_err(|source| ClosedLoopError::Tracks { sequence: self.name(place), source })
+                    .of_sequence(&self.name(place))
             }
-            _ => Err(ClosedLoopError::NoTracks { sequence: self.name(place) }),
+            _ => Err(SequenceFault::NoTracks.of(self.name(place))),
         }
     }
 
@@ -124,7 +125,7 @@ impl SequenceSet {
     ) -> Result<(SharedPath, Vec<Stamp>), ClosedLoopError> {
         match &self.of {
             Sequences::Recorded(sequences) => path_of(&sequences[place].0, config),
-            Sequences::Logged(log) => Err(ClosedLoopError::NoTracks { sequence: log.name() }),
+            Sequences::Logged(log) => Err(SequenceFault::NoTracks.of(log.name())),
             Sequences::Flights(config) => {
                 let (path, stamps) = path_of_flight(Flight::ALL[place], config, seed)?;
                 Ok((Arc::new(path), stamps))
@@ -150,8 +151,7 @@ fn recorded(
     } else {
         let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
         let config = sequence.camera_config()?.ok_or_else(no_camera)?;
-        let camera = CameraModel::try_from(&config)
-            .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
+        let camera = CameraModel::try_from(&config).of_sequence(&name)?;
         (camera, config.body_from_cam)
     };
     let truth = match sequence.ground_truth_path() {
@@ -189,18 +189,15 @@ fn settled(
     given: Option<CameraSettings>,
 ) -> Result<Option<CameraSettings>, ClosedLoopError> {
     let (None, Some(own)) = (given, sequence.camera_config()?) else { return Ok(given) };
-    let settings = CameraSettings::try_from(&own)
-        .map_err(|source| ClosedLoopError::Camera { sequence: sequence.name().to_owned(), source })?;
-    Ok(Some(settings))
+    CameraSettings::try_from(&own).of_sequence(sequence.name()).map(Some)
 }
 
 fn camera_of(
     sequence: &str,
     settings: Option<CameraSettings>,
 ) -> Result<(CameraModel, nalgebra::Isometry3<f64>), ClosedLoopError> {
-    let wrong = |source| ClosedLoopError::CameraSettings { sequence: sequence.to_owned(), source };
     let settings = settings.unwrap_or_default();
-    Ok((settings.model().map_err(wrong)?, settings.body_from_cam().map_err(wrong)?))
+    Ok((settings.model().of_sequence(sequence)?, settings.body_from_cam().of_sequence(sequence)?))
 }
 
 /// The path along a sequence's ground truth, and its camera's stamps where it left any.
@@ -209,7 +206,7 @@ fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(SharedPath, Vec<
         return Err(ClosedLoopError::NoGroundTruth { dir: sequence.dir().to_path_buf() });
     }
     let path = RecordedPath::new(&sequence.ground_truth()?, &path_config(sequence, config))
-        .map_err(|source| ClosedLoopError::Path { sequence: sequence.name().to_owned(), source })?;
+        .of_sequence(sequence.name())?;
     let stamps = if sequence.has_camera_frames() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
     } else {
@@ -279,7 +276,7 @@ mod tests {
         let folder = TrackSource::Images { skip_missing: false };
         let source = SequenceSet::flights(config, folder);
         let error = source.camera_input(0, 1, &Span::from(0.0)).err().unwrap();
-        assert!(matches!(error, ClosedLoopError::NoImages { asked: false, .. }), "{error}");
+        assert_eq!(error.to_string(), "f01-hall-slow: it has no images");
     }
 
     #[test]

@@ -77,6 +77,10 @@ pub enum Sequences {
 }
 
 impl SequenceSet {
+    pub(super) fn new(of: Sequences, tracks: TrackSource) -> Self {
+        Self { of, tracks, imu: LogOptions::default(), found: None }
+    }
+
     /// The sequences under `dir`: the paper's where there are any, else all.
     ///
     /// # Errors
@@ -102,7 +106,7 @@ impl SequenceSet {
                 second: twice[1].0.dir().to_path_buf(),
             });
         }
-        Ok(Self { of: Sequences::Recorded(sequences), tracks, imu: LogOptions::default(), found: None })
+        Ok(Self::new(Sequences::Recorded(sequences), tracks))
     }
 
     /// The one sequence in `dir`.
@@ -112,17 +116,12 @@ impl SequenceSet {
     pub fn one(dir: &Path, tracks: TrackSource) -> Result<Self, ClosedLoopError> {
         let sequence = Sequence::open(dir)?;
         let side = paper_side(sequence.name()).unwrap_or(Side::Test);
-        Ok(Self {
-            of: Sequences::Recorded(vec![(sequence, side)]),
-            tracks,
-            imu: LogOptions::default(),
-            found: None,
-        })
+        Ok(Self::new(Sequences::Recorded(vec![(sequence, side)]), tracks))
     }
 
     /// The simulated flights.
     pub fn flights(config: FlightConfig, tracks: TrackSource) -> Self {
-        Self { of: Sequences::Flights(config), tracks, imu: LogOptions::default(), found: None }
+        Self::new(Sequences::Flights(config), tracks)
     }
 
     /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence, the published one without; flights have none but their own.

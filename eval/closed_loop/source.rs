@@ -1,6 +1,6 @@
 //! What a path or a name is, and what the odometry sees of it. Every source of recordings is opened here.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::images::has_images;
 use super::logged::LoggedSequence;
 use super::sequence_set::{SequenceSet, Sequences, TrackSource};
@@ -54,8 +54,7 @@ impl RunSource {
     /// A camera that cannot be simulated.
     pub fn with_calibration(mut self, given: Option<Calibration>) -> Result<Self, ClosedLoopError> {
         if let Some(given) = &given {
-            let camera = CameraSettings::try_from(&given.camera)
-                .map_err(|source| ClosedLoopError::Camera { sequence: given.to_string(), source })?;
+            let camera = CameraSettings::try_from(&given.camera).of_sequence(&given.to_string())?;
             (self.simulated_tracks.camera, self.images.camera) = (Some(camera), Some(camera));
         }
         self.calibration = given;

@@ -7,7 +7,7 @@
 use super::error::ClosedLoopError;
 use super::manifest::Manifest;
 use super::row::Row;
-use dpn_io::{FolderLock, IoError, ResultPath, atomic_write};
+use dpn_io::{FolderLock, IoError, ResultPath, write_file};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::Write;
@@ -130,7 +130,7 @@ fn rewritten<'a>(path: &ResultPath, rows: impl Iterator<Item = &'a Row>) -> Resu
     for row in rows {
         text.push_str(&line(row));
     }
-    atomic_write(path, |out| out.write_all(text.as_bytes()))?;
+    write_file(path, &text)?;
     Ok(path.append()?)
 }
 

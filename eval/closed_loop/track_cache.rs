@@ -87,9 +87,7 @@ impl TrackCache {
 
     /// Keeps a cell's row.
     pub(super) fn keep_row(&self, row: &Row) {
-        let text = serde_json::to_string(row).expect("numbers, texts and lists of them");
-        let kept = dpn_io::atomic_write(self.row_path(&row.cell), |out| out.write_all(text.as_bytes()));
-        if let Err(error) = kept {
+        if let Err(error) = dpn_io::write_json(self.row_path(&row.cell), row) {
             self.remark(format!("a row is not kept: {}", with_cause(&error)));
         }
     }
@@ -179,7 +177,7 @@ impl TrackCache {
             ));
             return Ok(());
         }
-        dpn_io::atomic_write(&path, |out| out.write_all(&bytes))?;
+        dpn_io::write_file(&path, &bytes)?;
         self.make_room(&path)
     }
 

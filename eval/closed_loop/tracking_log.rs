@@ -3,6 +3,7 @@
 use super::error::ClosedLoopError;
 use super::image_report::{ImageReport, PassedOver};
 use super::recording::Recording;
+use super::sequence_fault::SequenceFault;
 use super::tally::Tally;
 use dpn_core::{GrayImage, Stamp, TrackFrame};
 use dpn_io::IoError;
@@ -72,11 +73,10 @@ impl<'a> TrackingLog<'a> {
     pub(super) fn finish(mut self, recording: &Recording) -> Result<ImageReport, ClosedLoopError> {
         self.let_go(None);
         if self.tally.frames() == 0 {
-            return Err(ClosedLoopError::NothingTracked {
-                sequence: recording.name.clone(),
-                images: self.tally.images(),
-                why: self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string),
-            });
+            let why = self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string);
+            return Err(
+                SequenceFault::NothingTracked { images: self.tally.images(), why }.of(&recording.name)
+            );
         }
         Ok(self.tally.finish())
     }

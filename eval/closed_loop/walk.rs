@@ -1,6 +1,6 @@
 //! A recording walked once: samples and images in the order in which a run takes them, whoever runs on them.
 
-use super::error::ClosedLoopError;
+use super::error::{ClosedLoopError, OfSequence};
 use super::images::ImageStream;
 use super::recording::Recording;
 use super::tracking_log::TrackingLog;
@@ -63,7 +63,6 @@ pub(super) fn walk(
     log: &mut TrackingLog<'_>,
     mut take: impl FnMut(Step<'_>, &mut TrackingLog<'_>) -> Result<(), FeedError>,
 ) -> Result<(), ClosedLoopError> {
-    let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut samples: Option<SampleWalk<'_>> = None;
     for (t, image) in images {
         let image = match image {
@@ -78,19 +77,19 @@ pub(super) fn walk(
         };
         let samples = samples.get_or_insert_with(|| SampleWalk::of_camera(recording.imu.samples(), t));
         for place in samples.until(t) {
-            take(Step::Sample(place), log).map_err(refused)?;
+            take(Step::Sample(place), log).of_sequence(&recording.name)?;
         }
         if samples.ended_before(t) {
-            take(Step::SamplesEnd, log).map_err(refused)?;
+            take(Step::SamplesEnd, log).of_sequence(&recording.name)?;
         }
         match take(Step::Image(t, &image), log) {
             Err(error @ (FeedError::ImageSize { .. } | FeedError::ImageOutOfOrder { .. })) => {
                 log.refused(t, &error);
             }
-            taken => taken.map_err(refused)?,
+            taken => taken.of_sequence(&recording.name)?,
         }
     }
-    take(Step::ImagesEnd, log).map_err(refused)
+    take(Step::ImagesEnd, log).of_sequence(&recording.name)
 }
 
 #[cfg(test)]

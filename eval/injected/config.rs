@@ -2,32 +2,27 @@
 
 use super::course::Course;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use serde::{Deserialize, Serialize};
 
-/// What is added to a recording's samples. An injection is a function of this, of the recording's name and of a seed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Injection {
-    /// How it changes over the recording. Default `step`.
-    pub course: Course,
-    /// Deviation at x1 on every axis of the accelerometer \[m/s^2\], 0 to 100.
-    pub accel: f64,
-    /// Deviation at x1 on every axis of the gyroscope \[rad/s\], 0 to 100.
-    pub gyro: f64,
-    /// The change: deviations go from x1 to this many times that, 1 to 100. Default 5, the paper's range.
-    pub factor: f64,
-    /// What the odometry is best told where nothing is added: accelerometer \[m/s^2\], above 0 and up to 100.
-    pub own_accel: f64,
-    /// The same of the gyroscope \[rad/s\], above 0 and up to 100.
-    pub own_gyro: f64,
-}
-
-impl Default for Injection {
-    /// Chosen on the training sequences (docs/src/when.md); own noise is x4, the best constant on them.
-    fn default() -> Self {
-        Self { course: Course::Step, accel: 0.4, gyro: 0.02, factor: 5.0, own_accel: 0.32, own_gyro: 0.016 }
+dpn_core::settings!(
+    /// What is added to a recording's samples. An injection is a function of this, of the recording's name and of a seed.
+    ///
+    /// The defaults were chosen on the training sequences (docs/src/when.md); own noise is x4, the best constant on them.
+    #[derive(Copy)]
+    pub struct Injection {
+        /// How it changes over the recording. Default `step`.
+        pub course: Course = Course::Step,
+        /// Deviation at x1 on every axis of the accelerometer \[m/s^2\], 0 to 100.
+        pub accel: f64 = 0.4,
+        /// Deviation at x1 on every axis of the gyroscope \[rad/s\], 0 to 100.
+        pub gyro: f64 = 0.02,
+        /// The change: deviations go from x1 to this many times that, 1 to 100. Default 5, the paper's range.
+        pub factor: f64 = 5.0,
+        /// What the odometry is best told where nothing is added: accelerometer \[m/s^2\], above 0 and up to 100.
+        pub own_accel: f64 = 0.32,
+        /// The same of the gyroscope \[rad/s\], above 0 and up to 100.
+        pub own_gyro: f64 = 0.016,
     }
-}
+);
 
 impl Injection {
     /// The same strengths in another course.

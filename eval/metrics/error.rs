@@ -1,27 +1,19 @@
 //! Why a metric cannot be computed.
 
 use crate::stats::StatsError;
+use dpn_core::named;
 use dpn_core::trajectory::StampedPose;
-use std::fmt;
 use thiserror::Error;
 
-/// Which of the two trajectories a fault is in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trajectory {
-    /// The ground truth.
-    Truth,
-    /// What is judged.
-    Estimate,
-}
-
-impl fmt::Display for Trajectory {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Truth => "ground truth",
-            Self::Estimate => "estimate",
-        })
+named!(
+    /// Which of the two trajectories a fault is in.
+    pub enum Trajectory {
+        /// The ground truth.
+        Truth = "ground truth",
+        /// What is judged.
+        Estimate = "estimate",
     }
-}
+);
 
 /// Why a metric cannot be computed.
 #[derive(Debug, Clone, PartialEq, Error)]

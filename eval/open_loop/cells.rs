@@ -1,7 +1,7 @@
 //! What is kept of an open loop under way: a file a set of windows, so that one that was broken off goes on.
 
 use super::rows::Row;
-use dpn_io::{IoError, ResultPath, atomic_write};
+use dpn_io::{IoError, ResultPath, write_json};
 
 /// A folder of cells, the rows of a set of windows each, named by the checksum of all that they are a function of.
 #[derive(Debug)]
@@ -29,7 +29,6 @@ impl Cells {
     /// # Errors
     /// A folder that cannot be written to.
     pub(super) fn write(&self, content: &str, rows: &[Row]) -> Result<(), IoError> {
-        let text = serde_json::to_string(rows).expect("numbers, texts and lists of them");
-        atomic_write(self.path(content), |out| out.write_all(text.as_bytes()))
+        write_json(self.path(content), rows)
     }
 }

@@ -1,7 +1,7 @@
 //! Who works on a shard, told to whoever looks: a small file that is written anew every few seconds. A lock would not do: not every file system
 //! shows it to other machines.
 
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_json};
 use serde::{Deserialize, Serialize};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -69,9 +69,8 @@ impl Heart {
         let thread = std::thread::spawn(move || {
             loop {
                 beat.beat = now();
-                let text = serde_json::to_string(&beat).expect("texts and numbers");
                 // Who cannot be seen at work works all the same.
-                let _ = atomic_write(&path, |out| out.write_all(text.as_bytes()));
+                let _ = write_json(&path, &beat);
                 if stopped.recv_timeout(EVERY) != Err(RecvTimeoutError::Timeout) {
                     break;
                 }

@@ -11,7 +11,7 @@ use super::shard_files::{FAILED, ROWS};
 use super::spec::JobSpec;
 use crate::closed_loop::{Manifest, Row, StageSeconds};
 use dpn_core::checksum::of_parts;
-use dpn_io::{FolderLock, IoError, ResultPath, atomic_write};
+use dpn_io::{FolderLock, IoError, ResultPath, atomic_write, write_file};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -217,7 +217,7 @@ impl Found<'_> {
         }
         for name in self.files.keys() {
             let bytes = self.checked_file(name)?;
-            atomic_write(out.join(name), |file| file.write_all(&bytes))?;
+            write_file(out.join(name), &bytes)?;
         }
         let rows = self.lines.iter().flatten().count();
         Ok(Collected { out: out.clone(), rows, files: self.files.len(), failed: self.failed.len() })

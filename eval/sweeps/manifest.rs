@@ -4,7 +4,7 @@ use super::error::SweepError;
 use super::spec::JobSpec;
 use dpn_core::checksum::of_parts;
 use dpn_core::config::gone;
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_file};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -154,7 +154,7 @@ impl SweepFolder {
     /// A folder that cannot be written to; a path in the plan that is no text.
     pub fn create(dir: &ResultPath, manifest: SweepManifest) -> Result<Self, SweepError> {
         let text = serde_json::to_string(&manifest).map_err(|_| SweepError::NotText)? + "\n";
-        atomic_write(dir.join(NAME), |out| out.write_all(text.as_bytes()))?;
+        write_file(dir.join(NAME), &text)?;
         Ok(Self { dir: dir.clone(), manifest })
     }
 

@@ -5,7 +5,7 @@ use super::error::{MixedShard, SweepError};
 use super::manifest::SweepFolder;
 use super::shard_files::{FAILED, ROWS};
 use dpn_core::checksum::of_parts;
-use dpn_io::{IoError, Kind, ResultPath, atomic_write};
+use dpn_io::{IoError, Kind, ResultPath, write_file, write_json};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
@@ -107,8 +107,7 @@ impl ShardRecord {
     }
 
     pub(super) fn write(&self, dir: &ResultPath) -> Result<(), IoError> {
-        let text = serde_json::to_string(self).expect("texts and numbers") + "\n";
-        atomic_write(dir.join(NAME), |out| out.write_all(text.as_bytes()))
+        write_json(dir.join(NAME), self)
     }
 
     /// Takes the checksums of all that lies in `dir`.
@@ -145,7 +144,7 @@ impl ShardRecord {
             let kept: Vec<&str> = lines[..lines.len() - cut].iter().copied().filter(good).collect();
             if kept.len() < lines.len() {
                 let text: String = kept.iter().flat_map(|line| [line, "\n"]).collect();
-                atomic_write(&path, |out| out.write_all(text.as_bytes()))?;
+                write_file(&path, &text)?;
             }
             whole &= kept.len() == lines.len()
                 && (!self.done || kept.len() == self.rows.get(&job.folder).map_or(0, Vec::len));

@@ -12,7 +12,7 @@ use super::shard_files::{FAILED, ROWS, TRUTH};
 use super::spec::{JobSpec, TrainSpec};
 use crate::closed_loop::{Experiment, FailedCell, Manifest, Sweep, TrackCache};
 use dpn_core::progress::Progress;
-use dpn_io::{FolderLock, IoError, ResultPath, atomic_write};
+use dpn_io::{FolderLock, IoError, ResultPath, write_file};
 use dpn_pronet::network::Network;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -339,7 +339,7 @@ impl<'a> Shard<'a> {
         for line in self.failed_lines() {
             text += &(serde_json::to_string(&line).expect("texts") + "\n");
         }
-        atomic_write(&path, |out| out.write_all(text.as_bytes()))
+        write_file(&path, &text)
     }
 
     fn failed_lines(&self) -> impl Iterator<Item = FailedLine> + '_ {

@@ -4,38 +4,29 @@ use super::error::SweepError;
 use dpn_core::Sensor;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_train::config::TrainConfig;
-use serde::Deserialize;
 use std::path::PathBuf;
 
-/// Trainings: every sensor with every configuration and every seed.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TrainPlan {
-    /// `train`.
-    pub kind: String,
-    /// Folder of ASL sequences; without it the simulated flights.
-    pub data: Option<PathBuf>,
-    /// The sensors.
-    pub sensors: Vec<Sensor>,
-    /// Configurations (TOML); one that names a sensor is for that one alone. Without any the program's own.
-    pub configs: Vec<PathBuf>,
-    /// The first seed.
-    pub seed: u64,
-    /// How many seeds, from the first on; 1 to 10000.
-    pub seeds: u64,
-    /// Epochs, over the configurations'.
-    pub epochs: Option<u64>,
-    /// Where to compute: cpu, or wgpu, a GPU, where the program is built with that feature.
-    pub device: String,
-}
-
-impl Default for TrainPlan {
-    fn default() -> Self {
-        let (kind, sensors) = ("train".into(), Sensor::ALL.to_vec());
-        let device = "cpu".into();
-        Self { kind, data: None, sensors, configs: Vec::new(), seed: 0, seeds: 1, epochs: None, device }
+dpn_core::settings!(
+    /// Trainings: every sensor with every configuration and every seed.
+    pub struct TrainPlan {
+        /// `train`.
+        pub kind: String = "train".into(),
+        /// Folder of ASL sequences; without it the simulated flights.
+        pub data: Option<PathBuf> = None,
+        /// The sensors.
+        pub sensors: Vec<Sensor> = Sensor::ALL.to_vec(),
+        /// Configurations (TOML); one that names a sensor is for that one alone. Without any the program's own.
+        pub configs: Vec<PathBuf> = Vec::new(),
+        /// The first seed.
+        pub seed: u64 = 0,
+        /// How many seeds, from the first on; 1 to 10000.
+        pub seeds: u64 = 1,
+        /// Epochs, over the configurations'.
+        pub epochs: Option<u64> = None,
+        /// Where to compute: cpu, or wgpu, a GPU, where the program is built with that feature.
+        pub device: String = "cpu".into(),
     }
-}
+);
 
 impl Validate for TrainPlan {
     fn faults(&self) -> Vec<ConfigFault> {
