@@ -2,7 +2,7 @@
 
 use crate::{FigureError, TrackDot, TrackEnd, TrackPicture};
 use dpn_core::{GrayImage, Stamp};
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_file};
 use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::{Fed, Lost, LostBy};
 use nalgebra::Vector2;
@@ -51,7 +51,7 @@ impl Album {
     fn write(&self, picture: &TrackPicture<'_>, seconds: f64) -> Result<(), FigureError> {
         let bytes = picture.png()?;
         let path = self.dir.join(format!("tracks-{seconds:08.3}s.png"));
-        atomic_write(&path, |file| file.write_all(&bytes))?;
+        write_file(&path, &bytes)?;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use super::error::FigureError;
 use super::raster::{Raster, canvas, encoded};
 use super::style;
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_file};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::prelude::SVGBackend;
@@ -66,13 +66,27 @@ pub fn save(
         .into_iter()
         .map(|(extension, bytes)| {
             let path = path.with_ending(extension);
-            atomic_write(&path, |file| file.write_all(&bytes))?;
+            write_file(&path, &bytes)?;
             Ok(path)
         })
         .collect()
 }
 
 /// The plot on white paper.
+/// [`save`], where there is something to draw: no files of a figure that is [`FigureError::Empty`].
+///
+/// # Errors
+/// As [`save`], and any other fault of `plot`.
+pub fn save_if_any(
+    plot: Result<impl Plot, FigureError>,
+    path_without_extension: impl Into<ResultPath>,
+) -> Result<Vec<ResultPath>, FigureError> {
+    match plot {
+        Err(FigureError::Empty { .. }) => Ok(Vec::new()),
+        plot => save(&plot?, path_without_extension),
+    }
+}
+
 fn paint<DB: DrawingBackend>(plot: &impl Plot, back_end: DB) -> Result<(), FigureError> {
     style::prepare()?;
     let area = back_end.into_drawing_area();

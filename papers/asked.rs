@@ -7,30 +7,22 @@ use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_eval::closed_loop::{Experiment, Settings};
 use dpn_io::config::ConfigError;
 use dpn_vio::EstimatorConfig;
-use serde::Deserialize;
 
-/// A paper as it is asked for.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PaperPlan {
-    /// `paper`.
-    pub kind: String,
-    /// What is run; without it the whole study, or the quick one.
-    pub plan: Option<Settings<Plan>>,
-    /// A few minutes' worth.
-    pub quick: bool,
-    /// What the odometry sees.
-    pub camera: CameraChoice,
-    /// Data, sequences, start, estimator and what is simulated; camera, noises and seeds are the paper's.
-    pub run: Experiment,
-}
-
-impl Default for PaperPlan {
-    fn default() -> Self {
-        let (kind, camera, run) = ("paper".into(), CameraChoice::Auto, Experiment::default());
-        Self { kind, plan: None, quick: false, camera, run }
+dpn_core::settings!(
+    /// A paper as it is asked for.
+    pub struct PaperPlan {
+        /// `paper`.
+        pub kind: String = "paper".into(),
+        /// What is run; without it the whole study, or the quick one.
+        pub plan: Option<Settings<Plan>> = None,
+        /// A few minutes' worth.
+        pub quick: bool = false,
+        /// What the odometry sees.
+        pub camera: CameraChoice = CameraChoice::Auto,
+        /// Data, sequences, start, estimator and what is simulated; camera, noises and seeds are the paper's.
+        pub run: Experiment = Experiment::default(),
     }
-}
+);
 
 impl Validate for PaperPlan {
     fn faults(&self) -> Vec<ConfigFault> {

@@ -1,8 +1,7 @@
 //! A result of a stage: read where its file is there, made and written where it is not.
 
 use super::error::PaperError;
-use super::id::json;
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_json};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -21,8 +20,7 @@ pub(super) fn cached<T: Serialize + DeserializeOwned>(
         }
         None => {
             let value = make()?;
-            let text = json(&value);
-            atomic_write(path, |out| writeln!(out, "{text}"))?;
+            write_json(path, &value)?;
             Ok((value, false))
         }
     }

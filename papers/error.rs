@@ -2,7 +2,6 @@
 
 use dpn_core::estimate::SpecError;
 use dpn_eval::closed_loop::ClosedLoopError;
-use dpn_eval::metrics::MetricsError;
 use dpn_eval::noise::NoiseError;
 use dpn_eval::open_loop::OpenLoopError;
 use dpn_eval::stats::StatsError;
@@ -44,14 +43,6 @@ pub enum PaperError {
     /// Figures that cannot be tested.
     #[error(transparent)]
     Stats(#[from] StatsError),
-    /// A trajectory that cannot be compared with the truth.
-    #[error("{sequence}: {source}")]
-    Metrics {
-        /// The sequence.
-        sequence: String,
-        /// Why.
-        source: MetricsError,
-    },
     /// A network.
     #[error(transparent)]
     Network(#[from] StoreError),

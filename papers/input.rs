@@ -109,7 +109,7 @@ pub struct Missing {
 }
 
 /// Recordings that can be used, and those that cannot.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Input {
     /// Name of the collection, `euroc` or `simulated`.
     pub name: String,
@@ -199,14 +199,9 @@ impl Input {
         });
         let places = self.places.iter().copied();
         Self {
-            name: self.name.clone(),
-            source: self.source.clone(),
             places: places.filter(|place| unseen.iter().all(|unseen| unseen.place != *place)).collect(),
-            missing: self.missing.clone(),
             unseen: self.unseen.iter().cloned().chain(missing).collect(),
-            injected: self.injected.clone(),
-            corpus: self.corpus.clone(),
-            lengths: self.lengths.clone(),
+            ..self.clone()
         }
     }
 
@@ -285,6 +280,7 @@ fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dpn_eval::closed_loop::SequenceFault;
     use std::path::Path;
 
     fn asked(data: Option<&Path>) -> Experiment {
@@ -346,7 +342,7 @@ mod tests {
     fn what_cannot_be_seen_loses_its_place_and_keeps_its_windows() {
         let (source, _) = opened(CameraChoice::Tracks, &asked(None), false);
         let input = check(source, &[7, 8], false).unwrap();
-        let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
+        let error = SequenceFault::NoImages { asked: false }.of("f09-hover");
         let left = input.without(&[UntrackedSequence { place: 8, error }]);
         assert_eq!((left.places.as_slice(), left.corpus.members.len(), left.notes().len()), (&[7][..], 2, 0));
         assert_eq!(left.notes_of_runs(), ["No row for f09-hover: it has no images."]);

@@ -9,7 +9,7 @@ use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 
 /// Everything the paper is made from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Paper<'a> {
     /// What is run.
     pub plan: &'a Plan,

@@ -31,25 +31,28 @@ pub struct Plan {
     pub injected: InjectedPlan,
 }
 
-/// The experiment with injected noise.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct InjectedPlan {
-    /// What is added in the course `step`; the other courses have the same strengths.
-    pub noise: Injection,
-    /// Courses through the closed loop; the responses to all of them are measured in any case.
-    pub courses: Vec<Course>,
-    /// Noises of the closed loop on `step`; a constant among them at least.
-    pub noises: Vec<String>,
-    /// Noises of the closed loop on the other courses; those of them that are a noise of samples alone and no constants are also asked how they respond.
-    pub followed: Vec<String>,
-    /// Seeds on `step`; 1 to 100.
-    pub seeds: u64,
-    /// Seeds on the other courses; 1 to 100.
-    pub course_seeds: u64,
-    /// Sequences at most, in order; 0 for all.
-    pub most_sequences: usize,
-}
+dpn_core::settings!(
+    /// The experiment with injected noise.
+    pub struct InjectedPlan {
+        /// What is added in the course `step`; the other courses have the same strengths.
+        pub noise: Injection = Injection::default(),
+        /// Courses through the closed loop; the responses to all of them are measured in any case.
+        pub courses: Vec<Course> = Course::ADDING.to_vec(),
+        /// Noises of the closed loop on `step`; a constant among them at least.
+        pub noises: Vec<String> = specs(
+            "x4 x8 x12 x16 x24 x32 oracle dualpronet plus(dualpronet(wide-s0),x4) mean(plus(dualpronet(wide-s0),x4)) \
+             shuffled(plus(dualpronet(wide-s0),x4)) plus(diff2,x4) diff2 self",
+        ),
+        /// Noises of the closed loop on the other courses; those of them that are a noise of samples alone and no constants are also asked how they respond.
+        pub followed: Vec<String> = specs("x2 x4 x8 x12 x16 oracle dualpronet self plus(dualpronet(wide-s0),x4) diff2"),
+        /// Seeds on `step`; 1 to 100.
+        pub seeds: u64 = 2,
+        /// Seeds on the other courses; 1 to 100.
+        pub course_seeds: u64 = 1,
+        /// Sequences at most, in order; 0 for all.
+        pub most_sequences: usize = 0,
+    }
+);
 
 /// The specs of a list that are parted by spaces.
 fn specs(text: &str) -> Vec<String> {
@@ -59,23 +62,6 @@ fn specs(text: &str) -> Vec<String> {
 impl Default for Plan {
     fn default() -> Self {
         Self::whole()
-    }
-}
-
-impl Default for InjectedPlan {
-    fn default() -> Self {
-        Self {
-            noise: Injection::default(),
-            courses: Course::ADDING.to_vec(),
-            noises: specs(
-                "x4 x8 x12 x16 x24 x32 oracle dualpronet plus(dualpronet(wide-s0),x4) mean(plus(dualpronet(wide-s0),x4)) \
-                 shuffled(plus(dualpronet(wide-s0),x4)) plus(diff2,x4) diff2 self",
-            ),
-            followed: specs("x2 x4 x8 x12 x16 oracle dualpronet self plus(dualpronet(wide-s0),x4) diff2"),
-            seeds: 2,
-            course_seeds: 1,
-            most_sequences: 0,
-        }
     }
 }
 

@@ -22,7 +22,7 @@ use dpn_eval::closed_loop::{Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{Criterion, RowSet, Study};
 use dpn_figures::{Chart, Provenance, save};
-use dpn_io::{IoError, ResultPath, atomic_write};
+use dpn_io::{IoError, ResultPath, write_file};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use dpn_vio::estimator::{EstimatorConfig, FedTracks};
@@ -96,16 +96,7 @@ impl Paper<'_> {
             let reasons = input.not_run().map(|m| format!("{}: {}", m.name, m.reason)).collect();
             return Err(PaperError::Nothing { reasons });
         }
-        let paper = Paper {
-            input: &input,
-            program: self.program.clone(),
-            command: self.command.clone(),
-            estimator: self.estimator.clone(),
-            run: self.run.clone(),
-            work: self.work.clone(),
-            out: self.out.clone(),
-            ..*self
-        };
+        let paper = Paper { input: &input, ..self.clone() };
         paper.after_the_loop(stages, open, closed, stop, &mut overall)
     }
 
@@ -245,7 +236,7 @@ impl Paper<'_> {
         }
         let receipt = Receipt { id: id.to_owned(), findings, files };
         let text = serde_json::to_string_pretty(&receipt).expect("strings are JSON") + "\n";
-        atomic_write(self.out.join(RECEIPT), |out| out.write_all(text.as_bytes()))?;
+        write_file(self.out.join(RECEIPT), &text)?;
         Ok(receipt)
     }
 
@@ -255,7 +246,7 @@ impl Paper<'_> {
         let readme = Readme { input, tables, pictures, made_by }.render();
         for (name, text) in [(PAGE, page.render()), (README, readme)] {
             let text = text.expect("a template that compiled writes to a string");
-            atomic_write(self.out.join(name), |out| out.write_all(text.as_bytes()))?;
+            write_file(self.out.join(name), &text)?;
         }
         Ok(())
     }
@@ -432,7 +423,7 @@ impl FigureWriter<'_> {
         drawing: &impl askama::Template,
     ) -> Result<(), PaperError> {
         let svg = drawing.render().expect("a template that compiled writes to a string");
-        atomic_write(self.out.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
+        write_file(self.out.join(format!("{name}.svg")), &svg)?;
         self.added(name, title, &[run], svg);
         Ok(())
     }

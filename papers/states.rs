@@ -3,7 +3,7 @@
 use super::error::PaperError;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
-use dpn_eval::closed_loop::{ANCHOR, paired};
+use dpn_eval::closed_loop::{ANCHOR, SequenceFault, paired};
 use dpn_eval::metrics::{AlignmentKind, MetricsError, PosePair, align, start_alignment};
 use dpn_io::ResultPath;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -106,7 +106,7 @@ impl PairedRun {
             return Ok(None);
         }
         let poses: Vec<StampedPose> = states.poses.iter().map(|s| s.pose).collect();
-        let refused = |source| PaperError::Metrics { sequence: sequence.to_owned(), source };
+        let refused = |source| SequenceFault::Metrics(source).of(sequence);
         let pairs = paired(truth, &poses).map_err(refused)?;
         let anchor = match &states.anchor {
             Some(anchor) => paired(truth, std::slice::from_ref(anchor)).map_err(refused)?.first().copied(),

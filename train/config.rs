@@ -37,17 +37,18 @@ pub struct TrainConfig {
     pub network: ProNetConfig,
 }
 
-/// Decision 2.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct BaseConfig {
-    /// What cleans the signal.
-    pub filter: FilterKind,
-    /// Samples of the Savitzky-Golay filter, odd.
-    pub window: usize,
-    /// Degree of its polynomial, below `window`.
-    pub order: usize,
-}
+dpn_core::settings!(
+    /// Decision 2.
+    #[derive(Copy)]
+    pub struct BaseConfig {
+        /// What cleans the signal.
+        pub filter: FilterKind = FilterKind::SavitzkyGolay,
+        /// Samples of the Savitzky-Golay filter, odd.
+        pub window: usize = 11,
+        /// Degree of its polynomial, below `window`.
+        pub order: usize = 2,
+    }
+);
 
 /// What cleans the signal before noise is injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,12 +60,6 @@ pub enum FilterKind {
     Gaussian,
     /// Nothing: the raw signal.
     None,
-}
-
-impl Default for BaseConfig {
-    fn default() -> Self {
-        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2 }
-    }
 }
 
 impl BaseConfig {
@@ -89,50 +84,34 @@ impl BaseConfig {
     }
 }
 
-/// Decisions 9 and 10. `low` and `high` that do not stand in the file are the paper's for the sensor, at other rates than 200 Hz those of the same density.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct NoiseConfig {
-    /// How injected deviations are chosen.
-    pub levels: LevelKind,
-    /// Smallest injected deviation \[m/s^2 or rad/s\].
-    pub low: Option<f64>,
-    /// Largest injected deviation \[m/s^2 or rad/s\].
-    pub high: Option<f64>,
-    /// Number of grid points; also how often every window is judged in validation and evaluation.
-    pub steps: Option<usize>,
-    /// What a window is labelled with.
-    pub label: Label,
-    /// Span of the sums of `label = "sigma_eff"` \[s, a sample of 5 ms to 1 s\]; .1 when not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub span_s: Option<f64>,
-    /// Vibration beside the white noise, for `label = "sigma_eff"`; none when not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vibration: Option<VibrationDraw>,
-    /// What the sensor does to all of it; nothing when not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sensor: Option<SensorDraw>,
-    /// What each training sequence's own noise is in sums, as a density \[m/s^2/sqrt(Hz) or rad/s/sqrt(Hz)\], for `label = "sigma_eff"` on raw windows;
-    /// what `dpn truth` says of it; sequences without are left out. Not counted when not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub own: Option<BTreeMap<String, f64>>,
-}
-
-impl Default for NoiseConfig {
-    fn default() -> Self {
-        Self {
-            levels: LevelKind::Grid,
-            low: None,
-            high: None,
-            steps: None,
-            label: Label::Injected,
-            span_s: None,
-            vibration: None,
-            sensor: None,
-            own: None,
-        }
+dpn_core::settings!(
+    /// Decisions 9 and 10. `low` and `high` that do not stand in the file are the paper's for the sensor, at other rates than 200 Hz those of the same density.
+    pub struct NoiseConfig {
+        /// How injected deviations are chosen.
+        pub levels: LevelKind = LevelKind::Grid,
+        /// Smallest injected deviation \[m/s^2 or rad/s\].
+        pub low: Option<f64> = None,
+        /// Largest injected deviation \[m/s^2 or rad/s\].
+        pub high: Option<f64> = None,
+        /// Number of grid points; also how often every window is judged in validation and evaluation.
+        pub steps: Option<usize> = None,
+        /// What a window is labelled with.
+        pub label: Label = Label::Injected,
+        /// Span of the sums of `label = "sigma_eff"` \[s, a sample of 5 ms to 1 s\]; .1 when not given.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub span_s: Option<f64> = None,
+        /// Vibration beside the white noise, for `label = "sigma_eff"`; none when not given.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub vibration: Option<VibrationDraw> = None,
+        /// What the sensor does to all of it; nothing when not given.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub sensor: Option<SensorDraw> = None,
+        /// What each training sequence's own noise is in sums, as a density \[m/s^2/sqrt(Hz) or rad/s/sqrt(Hz)\], for `label = "sigma_eff"` on raw windows;
+        /// what `dpn truth` says of it; sequences without are left out. Not counted when not given.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub own: Option<BTreeMap<String, f64>> = None,
     }
-}
+);
 
 /// Samples that a window has at least: the widest Gaussian base reaches 27 to either side.
 const LEAST_WINDOW: usize = 28;
@@ -146,33 +125,34 @@ impl NoiseConfig {
     }
 }
 
-/// How the weights are fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct FitConfig {
-    /// Passes over the training windows.
-    pub epochs: u64,
-    /// How often an epoch shows each window, every time with other noise.
-    pub draws_per_window: u64,
-    /// Windows a step.
-    pub batch: usize,
-    /// Largest learning rate of Adam.
-    pub learning_rate: f64,
-    /// Its course over the run.
-    pub schedule: Schedule,
-    /// Steps over which the learning rate rises from 0.
-    pub warmup_steps: u64,
-    /// Decoupled weight decay (AdamW) a step, times the learning rate; 0 is plain Adam.
-    pub weight_decay: f64,
-    /// Largest norm of the whole gradient, in units of the normalised loss; 0 leaves it as it is.
-    pub clip_norm: f64,
-    /// Decay of the running mean of the weights that is validated and kept; 0 keeps the weights themselves.
-    pub ema: f64,
-    /// What is minimised.
-    pub loss: Loss,
-    /// Epochs between two validations; the last epoch is always validated.
-    pub validate_every: u64,
-}
+dpn_core::settings!(
+    /// How the weights are fitted.
+    #[derive(Copy)]
+    pub struct FitConfig {
+        /// Passes over the training windows.
+        pub epochs: u64 = 200,
+        /// How often an epoch shows each window, every time with other noise.
+        pub draws_per_window: u64 = 2,
+        /// Windows a step.
+        pub batch: usize = 200,
+        /// Largest learning rate of Adam.
+        pub learning_rate: f64 = 4e-3,
+        /// Its course over the run.
+        pub schedule: Schedule = Schedule::Cosine,
+        /// Steps over which the learning rate rises from 0.
+        pub warmup_steps: u64 = 100,
+        /// Decoupled weight decay (AdamW) a step, times the learning rate; 0 is plain Adam.
+        pub weight_decay: f64 = 1e-4,
+        /// Largest norm of the whole gradient, in units of the normalised loss; 0 leaves it as it is.
+        pub clip_norm: f64 = 1.0,
+        /// Decay of the running mean of the weights that is validated and kept; 0 keeps the weights themselves.
+        pub ema: f64 = 0.99,
+        /// What is minimised.
+        pub loss: Loss = Loss::Mse,
+        /// Epochs between two validations; the last epoch is always validated.
+        pub validate_every: u64 = 5,
+    }
+);
 
 /// Course of the learning rate after warm-up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -194,24 +174,6 @@ pub enum Loss {
     LogMse,
     /// What a normal law of its logarithm is worth, whose deviation the network says too (`network.head = "log-sigma-and-spread"`): `e^2 / (2 s^2) + ln s`.
     LogNll,
-}
-
-impl Default for FitConfig {
-    fn default() -> Self {
-        Self {
-            epochs: 200,
-            draws_per_window: 2,
-            batch: 200,
-            learning_rate: 4e-3,
-            schedule: Schedule::Cosine,
-            warmup_steps: 100,
-            weight_decay: 1e-4,
-            clip_norm: 1.0,
-            ema: 0.99,
-            loss: Loss::Mse,
-            validate_every: 5,
-        }
-    }
 }
 
 impl Default for TrainConfig {

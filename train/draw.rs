@@ -12,31 +12,25 @@ use dpn_core::SampleRate;
 use dpn_core::random::Stream;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
-/// Changes to a base window that leave the question the same; each key switches one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Augment {
-    /// Start the window up to a window later than its place in the disjoint cut.
-    pub offset: bool,
-    /// Flip the sign, half of the time.
-    pub sign: bool,
-    /// Run time backwards, half of the time.
-    pub reverse: bool,
-    /// Share of the windows whose base is made larger or smaller about its mean: other motion than the recordings hold.
-    pub grow_share: f64,
-    /// Smallest factor of that change, at most 1; factors are log-uniform.
-    pub shrink: f64,
-    /// Largest factor of that change, at least 1.
-    pub grow: f64,
-}
-
-impl Default for Augment {
-    fn default() -> Self {
-        Self { offset: true, sign: true, reverse: true, grow_share: 0.0, shrink: 1.0, grow: 1.0 }
+dpn_core::settings!(
+    /// Changes to a base window that leave the question the same; each key switches one.
+    #[derive(Copy)]
+    pub struct Augment {
+        /// Start the window up to a window later than its place in the disjoint cut.
+        pub offset: bool = true,
+        /// Flip the sign, half of the time.
+        pub sign: bool = true,
+        /// Run time backwards, half of the time.
+        pub reverse: bool = true,
+        /// Share of the windows whose base is made larger or smaller about its mean: other motion than the recordings hold.
+        pub grow_share: f64 = 0.0,
+        /// Smallest factor of that change, at most 1; factors are log-uniform.
+        pub shrink: f64 = 1.0,
+        /// Largest factor of that change, at least 1.
+        pub grow: f64 = 1.0,
     }
-}
+);
 
 impl Augment {
     /// No change at all: the paper.

@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::state::{Best, EpochRecord, State};
 use crate::trainer::{TrainError, Trainer};
 use dpn_core::progress::Progress;
-use dpn_io::{FolderLock, IoError, LockError, ResultPath, atomic_write};
+use dpn_io::{FolderLock, IoError, LockError, ResultPath, write_file};
 use dpn_pronet::weights::{Card, Weights};
 use dpn_pronet::{Checkpoint, StoreError};
 use serde::{Deserialize, Serialize};
@@ -210,7 +210,7 @@ impl<'a> Run<'a> {
         let run = Self { dir, trainer, fingerprint, corpus, state, _lock: lock };
         let text = toml::to_string_pretty(run.trainer.config())
             .map_err(|error| RunError::Text { what: CONFIG, reason: error.to_string() })?;
-        atomic_write(run.dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
+        write_file(run.dir.join(CONFIG), &text)?;
         if run.state.epochs_done() > 0 {
             run.write_history()?;
         }
@@ -319,7 +319,7 @@ impl<'a> Run<'a> {
         }
         let bytes = checkpoint.to_bytes()?;
         // A kill leaves the checkpoint before it.
-        atomic_write(self.dir.join(CHECKPOINT), |out| out.write_all(&bytes))?;
+        write_file(self.dir.join(CHECKPOINT), &bytes)?;
         self.write_history()
     }
 
@@ -328,7 +328,7 @@ impl<'a> Run<'a> {
         let lines: Result<Vec<String>, _> = self.state.history.iter().map(serde_json::to_string).collect();
         let text = |error: serde_json::Error| RunError::Text { what: HISTORY, reason: error.to_string() };
         let lines = lines.map_err(text)?.join("\n") + "\n";
-        Ok(atomic_write(self.dir.join(HISTORY), |out| out.write_all(lines.as_bytes()))?)
+        Ok(write_file(self.dir.join(HISTORY), &lines)?)
     }
 
     /// Writes weights and summary.
@@ -347,9 +347,9 @@ impl<'a> Run<'a> {
         };
         let weights: Weights = self.trainer.weights(&self.state, card);
         let bytes = weights.to_bytes()?;
-        atomic_write(path, |out| out.write_all(&bytes))?;
+        write_file(path, &bytes)?;
         let lines = serde_json::to_string_pretty(summary).map_err(text)? + "\n";
-        atomic_write(self.dir.join(SUMMARY), |out| out.write_all(lines.as_bytes()))?;
+        write_file(self.dir.join(SUMMARY), &lines)?;
         Ok(())
     }
 }

@@ -49,22 +49,8 @@ impl SensorDraw {
         let key = |name: &str| format!("noise.sensor.{name}");
         faults.within(key("low_pass_share"), self.low_pass_share, 0.0, 1.0);
         faults.within(key("step_share"), self.step_share, 0.0, 1.0);
-        let [low, high] = self.corner_hz;
-        let numbers = "two numbers from 5 to 400, the smaller first";
-        faults.check(
-            low >= 5.0 && low <= high && high <= 400.0,
-            key("corner_hz"),
-            format!("{:?}", self.corner_hz),
-            numbers,
-        );
-        let [low, high] = self.step;
-        let numbers = "two numbers above 0 and at most 10, the smaller first";
-        faults.check(
-            low > 0.0 && low <= high && high <= 10.0,
-            key("step"),
-            format!("{:?}", self.step),
-            numbers,
-        );
+        faults.pair(key("corner_hz"), self.corner_hz, |hz| (5.0..=400.0).contains(&hz), "from 5 to 400");
+        faults.pair(key("step"), self.step, |step| step > 0.0 && step <= 10.0, "above 0 and at most 10");
     }
 }
 

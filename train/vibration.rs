@@ -74,20 +74,10 @@ impl VibrationDraw {
 
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         faults.within("noise.vibration.share", self.share, 0.0, 1.0);
-        let [low, high] = self.deviation;
-        faults.check(
-            low > 0.0 && low <= high && high <= 100.0,
-            "noise.vibration.deviation",
-            format!("{:?}", self.deviation),
-            "two numbers above 0 and at most 100, the smaller first",
-        );
-        let [low, high] = self.hover_hz;
-        faults.check(
-            low >= 10.0 && low <= high && high <= 400.0,
-            "noise.vibration.hover_hz",
-            format!("{:?}", self.hover_hz),
-            "two numbers from 10 to 400, the smaller first",
-        );
+        let (deviation, above) = (self.deviation, |v| v > 0.0 && v <= 100.0);
+        faults.pair("noise.vibration.deviation", deviation, above, "above 0 and at most 100");
+        let (hover_hz, usual) = (self.hover_hz, |hz| (10.0..=400.0).contains(&hz));
+        faults.pair("noise.vibration.hover_hz", hover_hz, usual, "from 10 to 400");
     }
 }
 

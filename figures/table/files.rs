@@ -1,7 +1,7 @@
 //! A table as Markdown, CSV and LaTeX.
 
 use super::{Cell, Column, Line, Table};
-use dpn_io::{IoError, ResultPath, atomic_write};
+use dpn_io::{IoError, ResultPath, write_file};
 use std::fmt::Write as _;
 
 impl Table {
@@ -79,9 +79,7 @@ impl Table {
     /// A folder that cannot be written to.
     pub fn save(&self, dir: &ResultPath) -> Result<(), IoError> {
         for (extension, text) in [("md", self.markdown()), ("csv", self.csv()), ("tex", self.latex())] {
-            atomic_write(dir.join(format!("{}.{extension}", self.name)), |out| {
-                out.write_all(text.as_bytes())
-            })?;
+            write_file(dir.join(format!("{}.{extension}", self.name)), &text)?;
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::super::states::{PairedRun, read};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
-use dpn_eval::closed_loop::{CellFiles, CellKey, Recording, Row};
+use dpn_eval::closed_loop::{CellFiles, CellKey, Recording, Row, SequenceFault};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_figures::{Cell, Chart, ErrorColumn, Flight, TrajectoryPanel, error_band, flight_sigma};
 use dpn_io::ResultPath;
@@ -64,7 +64,7 @@ pub(crate) fn trajectories(
                 || format!("{name}: no pose"),
                 |ate| format!("{name}: {} m", Cell::metres(ate).shown()),
             ));
-            let refused = |source| PaperError::Metrics { sequence: recording.name.clone(), source };
+            let refused = |source| SequenceFault::Metrics(source).of(&recording.name);
             estimates.push(match found {
                 Some(found) => found.aligned().map_err(refused)?,
                 None => None,

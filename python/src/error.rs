@@ -13,18 +13,7 @@ create_exception!(
 
 /// The error and all of its causes in one line.
 pub(crate) fn raise(error: &dyn std::error::Error) -> PyErr {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let words = inner.to_string();
-        // Some errors say their cause themselves.
-        if !text.contains(&words) {
-            text.push_str(": ");
-            text.push_str(&words);
-        }
-        cause = inner.source();
-    }
-    Error::new_err(text)
+    Error::new_err(dpn_io::in_full(error))
 }
 
 /// `value`, or the exception about the argument `name`.

@@ -1,29 +1,21 @@
 //! One thing that was found, of a log or of a configuration held against it.
 
+use dpn_core::named;
 use serde::Serialize;
-use std::fmt;
 
-/// How much a finding matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Weight {
-    /// An estimator fed with this log goes wrong.
-    Bad,
-    /// Worth a look.
-    Warning,
-    /// Good to know.
-    Note,
-}
-
-impl fmt::Display for Weight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Bad => "bad",
-            Self::Warning => "warning",
-            Self::Note => "note",
-        })
+named!(
+    /// How much a finding matters.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Weight {
+        /// An estimator fed with this log goes wrong.
+        Bad = "bad",
+        /// Worth a look.
+        Warning = "warning",
+        /// Good to know.
+        Note = "note",
     }
-}
+);
 
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize)]

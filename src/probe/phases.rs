@@ -6,9 +6,9 @@
 //! two seconds between two stretches of one kind is taken for theirs.
 
 use dpn_core::signal::stats::{self, Ddof};
-use dpn_core::{ImuSample, Recorded, Sensor};
+use dpn_core::{ImuSample, Recorded, Sensor, named};
 use serde::Serialize;
-use std::{fmt, io};
+use std::io;
 
 /// Turning over the bias that is motion \[rad/s\].
 const TURN: f64 = 0.05;
@@ -22,32 +22,19 @@ const HOLE: f64 = 10.0;
 /// Shortest stretch \[s\].
 const SHORTEST: usize = 2;
 
-/// What a vehicle does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Phase {
-    /// Nothing moves.
-    Rest,
-    /// It shakes on the spot.
-    Motors,
-    /// It moves.
-    Moving,
-}
-
-impl Phase {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::Rest, Self::Motors, Self::Moving];
-}
-
-impl fmt::Display for Phase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Rest => "at rest",
-            Self::Motors => "motors on",
-            Self::Moving => "moving",
-        })
+named!(
+    /// What a vehicle does.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Phase {
+        /// Nothing moves.
+        Rest = "at rest",
+        /// It shakes on the spot.
+        Motors = "motors on",
+        /// It moves.
+        Moving = "moving",
     }
-}
+);
 
 /// A stretch of one phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

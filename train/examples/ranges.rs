@@ -21,7 +21,7 @@ fn main() -> Result<()> {
         let range = range(&weights, &data)?;
         let card = Card { range, ..weights.card().clone() };
         let bytes = Weights::new(weights.config(), weights.parameters().to_vec(), card).to_bytes()?;
-        dpn_io::atomic_write(&path, |out| out.write_all(&bytes))?;
+        dpn_io::write_file(&path, &bytes)?;
         println!("{}: {range:?}", path.display());
     }
     Ok(())

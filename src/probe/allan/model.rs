@@ -4,31 +4,29 @@
 //!
 //! The model is linear in the squares of the coefficients; it is those that are fitted.
 
-use dpn_core::Sensor;
+use dpn_core::{Sensor, named};
 use serde::Serialize;
 use std::f64::consts::{LN_2, PI};
-use std::fmt;
 
-/// One of the five coefficients.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Coefficient {
-    /// Q: white noise of the integrated signal, slope -1.
-    Quantisation,
-    /// N: white noise, slope -1/2; angle and velocity random walk.
-    White,
-    /// B: flicker noise, flat; the floor of the plot is .664 B.
-    Instability,
-    /// K: the walk of the bias, slope 1/2.
-    Walk,
-    /// R: a steady drift, slope 1.
-    Ramp,
-}
+named!(
+    /// One of the five coefficients, by the slope they have.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Coefficient {
+        /// Q: white noise of the integrated signal, slope -1.
+        Quantisation = "quantisation",
+        /// N: white noise, slope -1/2; angle and velocity random walk.
+        White = "white noise",
+        /// B: flicker noise, flat; the floor of the plot is .664 B.
+        Instability = "bias instability",
+        /// K: the walk of the bias, slope 1/2.
+        Walk = "bias walk",
+        /// R: a steady drift, slope 1.
+        Ramp = "ramp",
+    }
+);
 
 impl Coefficient {
-    /// All five, by the slope they have.
-    pub const ALL: [Self; 5] = [Self::Quantisation, Self::White, Self::Instability, Self::Walk, Self::Ramp];
-
     /// Allan variance at `tau` \[s\] of a coefficient of one.
     pub fn variance(self, tau: f64) -> f64 {
         match self {
@@ -65,18 +63,6 @@ impl Coefficient {
             Self::Walk => "K",
             Self::Ramp => "R",
         }
-    }
-}
-
-impl fmt::Display for Coefficient {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Quantisation => "quantisation",
-            Self::White => "white noise",
-            Self::Instability => "bias instability",
-            Self::Walk => "bias walk",
-            Self::Ramp => "ramp",
-        })
     }
 }
 
