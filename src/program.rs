@@ -29,7 +29,7 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
             ui::errln!("{error}");
             130
         }
-        Err(error) if error.is::<ui::Untrusted>() || error.is::<ui::Found>() => {
+        Err(error) if error.is::<ui::Untrusted>() => {
             ui::errln!("{error}");
             3
         }

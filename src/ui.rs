@@ -1,23 +1,19 @@
 //! Talk with the person at the terminal: progress, errors, hints. Data goes to stdout, talk to stderr.
 
 use dpn_core::progress::Progress;
-use dpn_io::ResultPath;
+use dpn_io::{ResultPath, write_file};
+use dpn_probe::Weight;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
+use thiserror::Error;
 
 /// Standard output takes no more: the reader of a pipe has gone, or the disk is full.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("standard output: {0}")]
 pub(crate) struct OutputError(std::io::Error);
-
-impl fmt::Display for OutputError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "standard output: {}", self.0)
-    }
-}
-
-impl std::error::Error for OutputError {}
 
 /// Whether nobody reads standard output any more (`dpn ... | head -1`): whoever did has what he wanted, and nothing is wrong.
 pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
@@ -62,6 +58,16 @@ pub(crate) fn warn<W: fmt::Display>(warnings: impl IntoIterator<Item = W>) {
     }
 }
 
+/// Writes a command's results as JSON, and prints them where `--json` asks for that in place of words: whether it does.
+pub(crate) fn results(file: ResultPath, all: &impl Serialize, json: bool) -> anyhow::Result<bool> {
+    let text = serde_json::to_string(all)? + "\n";
+    write_file(file, &text)?;
+    if json {
+        out!("{text}")?;
+    }
+    Ok(json)
+}
+
 /// Says where the pictures among `files` are.
 pub(crate) fn print_pictures(files: &[ResultPath]) -> Result<(), OutputError> {
     let pictures = files.iter().filter(|file| file.path().extension().is_some_and(|ending| ending == "png"));
@@ -72,7 +78,8 @@ pub(crate) fn print_pictures(files: &[ResultPath]) -> Result<(), OutputError> {
 }
 
 /// A message for the user with what to do about it.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("{message}")]
 pub(crate) struct Fault {
     /// What is wrong, and where.
     message: String,
@@ -94,57 +101,29 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
+/// Ends a command with a message and what to do about it.
+pub(crate) fn refuse<T>(message: impl Into<String>, hint: impl Into<String>) -> anyhow::Result<T> {
+    Err(Fault::new(message).hint(hint).into())
 }
 
-impl std::error::Error for Fault {}
-
-/// A run that is of no use, told by the exit code; why was said.
-#[derive(Debug)]
+/// A run or a log that is of no use, told by the exit code; why was said.
+#[derive(Debug, Error)]
 pub(crate) enum Untrusted {
-    /// It is not to be trusted, and somebody asked to be told.
+    /// A run that is not to be trusted, and somebody asked to be told.
+    #[error("the run is not to be trusted (--strict)")]
     Doubted,
-    /// It made no pose.
+    /// A run that made no pose.
+    #[error("the run made no pose (exit code 3)")]
     NoPose,
+    /// A log with something as grave as somebody asked to be told of.
+    #[error("the gravest finding is: {0} (--fail-on)")]
+    Found(Weight),
 }
-
-impl fmt::Display for Untrusted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Doubted => "the run is not to be trusted (--strict)",
-            Self::NoPose => "the run made no pose (exit code 3)",
-        })
-    }
-}
-
-impl std::error::Error for Untrusted {}
-
-/// Something as grave as somebody asked to be told of by the exit code; what was said.
-#[derive(Debug)]
-pub(crate) struct Found(pub(crate) String);
-
-impl fmt::Display for Found {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the gravest finding is: {} (--fail-on)", self.0)
-    }
-}
-
-impl std::error::Error for Found {}
 
 /// The user pressed Ctrl-C and the work stopped at a safe place.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("{0}")]
 pub(crate) struct Interrupted(pub(crate) String);
-
-impl fmt::Display for Interrupted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Interrupted {}
 
 /// The chain of causes on one line, and the first hint found in it.
 pub(crate) fn render_error(error: &anyhow::Error) -> String {

@@ -5,14 +5,6 @@ use clap::{Args, Subcommand};
 use dpn_io::ResultPath;
 use std::path::PathBuf;
 
-/// Flags of `dpn export`.
-#[derive(Debug, Args)]
-pub(crate) struct ExportArgs {
-    /// As what.
-    #[command(subcommand)]
-    pub(crate) what: ExportWhat,
-}
-
 /// What networks can be written as.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ExportWhat {

@@ -35,7 +35,7 @@ pub(crate) use check::{CheckArgs, FailOn};
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use compare::CompareArgs;
 pub(crate) use eval::EvalArgs;
-pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
+pub(crate) use export::{ExportWhat, OnnxArgs};
 pub(crate) use fit::FitArgs;
 pub(crate) use fleet::FleetArgs;
 pub(crate) use image_log::ImageLogArgs;
@@ -50,10 +50,8 @@ pub(crate) use resample::ResampleArgs;
 #[cfg(feature = "ros2")]
 pub(crate) use ros2::{NodeArgs, Ros2Args, Ros2NoiseArgs, Ros2What};
 pub(crate) use run::RunArgs;
-pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
-pub(crate) use sweep::{
-    Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
-};
+pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateWhat, TracksArgs};
+pub(crate) use sweep::{Shards, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat};
 pub(crate) use train::TrainArgs;
 pub(crate) use trajectories::{ApeArgs, DeltaUnit, MAX_DIFF_S, RpeArgs, TrajectoryArgs};
 pub(crate) use truth::TruthArgs;
@@ -88,7 +86,8 @@ pub(crate) enum Command {
     #[command(after_help = examples::FLEET)]
     Fleet(FleetArgs),
     /// A closed loop, a paper or trainings in shards, on as many machines as there are: plan, run, collect, status.
-    Sweep(SweepArgs),
+    #[command(subcommand)]
+    Sweep(SweepWhat),
     /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).
     #[command(after_help = examples::NOISE)]
     Noise(NoiseArgs),
@@ -127,9 +126,11 @@ pub(crate) enum Command {
     #[command(after_help = examples::RPE)]
     Rpe(RpeArgs),
     /// Trained networks for other programs (onnx).
-    Export(ExportArgs),
+    #[command(subcommand)]
+    Export(ExportWhat),
     /// Make data whose truth is known.
-    Simulate(SimulateArgs),
+    #[command(subcommand)]
+    Simulate(SimulateWhat),
     /// Completions of a shell, to standard output.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArgs),

@@ -5,14 +5,6 @@ use clap::{Args, Subcommand};
 use dpn_io::ResultPath;
 use std::path::PathBuf;
 
-/// What to simulate.
-#[derive(Debug, Args)]
-pub(crate) struct SimulateArgs {
-    /// The kind of data.
-    #[command(subcommand)]
-    pub(crate) what: SimulateWhat,
-}
-
 /// Kinds of simulated data.
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulateWhat {

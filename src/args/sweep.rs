@@ -6,14 +6,6 @@ use dpn_io::ResultPath;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// What to do with a sweep.
-#[derive(Debug, Args)]
-pub(crate) struct SweepArgs {
-    /// The step.
-    #[command(subcommand)]
-    pub(crate) what: SweepWhat,
-}
-
 /// Steps of a sweep.
 #[derive(Debug, Subcommand)]
 pub(crate) enum SweepWhat {

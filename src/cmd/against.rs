@@ -2,7 +2,7 @@
 
 use super::log;
 use crate::args::NoiseArgs;
-use crate::ui::{errln, out, outln};
+use crate::ui::{errln, out, outln, results, warn};
 use anyhow::{Context, Result};
 use dpn_core::noise::Figure;
 use dpn_core::{SampleRate, Sensor};
@@ -28,8 +28,6 @@ pub(super) fn run(args: &NoiseArgs, path: &Path, trajectory: &Path) -> Result<()
     let all = serde_json::json!({
         "log": path, "against": trajectory, "found": found, "paste": paste, "formats": formats,
     });
-    let text = all.to_string() + "\n";
-    atomic_write(args.out.join("against.json"), |file| file.write_all(text.as_bytes()))?;
     let biases = args.out.join("biases.csv");
     atomic_write(&biases, |file| {
         let sensors = |kind: &str| {
@@ -49,11 +47,9 @@ pub(super) fn run(args: &NoiseArgs, path: &Path, trajectory: &Path) -> Result<()
             found.clock_s
         );
     }
-    for warning in &found.report.warnings {
-        errln!("warning: {warning}");
-    }
-    if args.json {
-        return Ok(out!("{text}")?);
+    warn(&found.report.warnings);
+    if results(args.out.join("against.json"), &all, args.json)? {
+        return Ok(());
     }
     out!("{}{}", page(&found), paste.page(&args.paste.paste.0))?;
     Ok(outln!("\nbiases:   {}", biases.display())?)

@@ -2,10 +2,9 @@
 
 use super::{apart, log, noise};
 use crate::args::AllanArgs;
-use crate::ui::{out, outln, print_pictures};
+use crate::ui::{out, outln, print_pictures, results};
 use anyhow::Result;
 use dpn_figures::{allan_plot, save};
-use dpn_io::atomic_write;
 use dpn_probe::allan::compare::{FigureCheck, compare};
 use dpn_probe::allan::{AllanLog, report};
 use dpn_probe::rest_noise::RestNoise;
@@ -24,10 +23,7 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
         words.push_str(&format!(" {line}."));
     }
     let files = save(&allan_plot(&allan.axes, &words)?, args.out.join("allan"))?;
-    let text = report::json(&allan, checked.as_deref())?.to_string() + "\n";
-    atomic_write(args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;
-    if args.json {
-        out!("{text}")?;
+    if results(args.out.join("allan.json"), &report::json(&allan, checked.as_deref())?, args.json)? {
         return Ok(());
     }
     out!("{}", report::page(&allan))?;

@@ -1,7 +1,7 @@
 //! What `dpn simulate tracks` and `dpn simulate images` make their data along: a recording's ground truth, or a flight's exact path.
 
 use crate::args::AlongArgs;
-use crate::ui::Fault;
+use crate::ui::{Fault, refuse};
 use anyhow::Result;
 use dpn_core::{SampleRate, Stamp};
 use dpn_eval::closed_loop::path_config;
@@ -55,7 +55,7 @@ pub(super) fn open(
     })?;
     if truth.is_some() {
         let text = "--truth is for a recording; a flight's ground truth is exact";
-        return Err(Fault::new(text).hint("leave --truth away").into());
+        return refuse(text, "leave --truth away");
     }
     let flown = FlightConfig::default();
     let path = AnalyticPath::new(dpn_sim::path(flight, 0, &flown)?, Stamp::from_ns(flown.epoch_ns));

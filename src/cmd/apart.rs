@@ -1,6 +1,6 @@
 //! Results and what is read, kept apart: asked before any work begins.
 
-use crate::ui::Fault;
+use crate::ui::refuse;
 use anyhow::Result;
 use dpn_io::ResultPath;
 use std::path::Path;
@@ -9,7 +9,7 @@ use std::path::Path;
 pub(super) fn file<P: AsRef<Path>>(flag: &str, file: &Path, inputs: &[P]) -> Result<()> {
     if file == Path::new("-") || file.is_dir() {
         let message = format!("{flag} {} is no file that can be written", file.display());
-        return Err(Fault::new(message).hint("name a file").into());
+        return refuse(message, "name a file");
     }
     let inside = |input: &Path, there: &Path| input.is_dir() && there.starts_with(input);
     keep((flag, file), file, inputs, inside, "name another file")
@@ -32,7 +32,7 @@ pub(super) fn folder<P: AsRef<Path>>(
     if let Some(file) = dir.ancestors().find(|above| above.exists()).filter(|there| !there.is_dir()) {
         let message =
             format!("{flag} {}: {} is a file, and results come into a folder", dir.display(), file.display());
-        return Err(Fault::new(message).hint("name a folder, or one that is not there yet").into());
+        return refuse(message, "name a folder, or one that is not there yet");
     }
     let beside = |input: &Path, there: &Path| there.parent() == Some(input);
     names
@@ -64,7 +64,7 @@ fn keep<P: AsRef<Path>>(
             } else {
                 format!("{flag} {} would write over {}, which is read", named.display(), input.display())
             };
-            Err(Fault::new(message).hint(hint).into())
+            refuse(message, hint)
         }
     }
 }

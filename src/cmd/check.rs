@@ -2,10 +2,9 @@
 
 use super::{apart, log, many};
 use crate::args::{CheckArgs, FailOn};
-use crate::ui::{Found, out, outln, print_pictures};
+use crate::ui::{Untrusted, out, outln, print_pictures, results};
 use anyhow::Result;
-use dpn_figures::{FigureError, save, spectrum_plot};
-use dpn_io::atomic_write;
+use dpn_figures::{save_if_any, spectrum_plot};
 use dpn_probe::Weight;
 use dpn_probe::doctor::{Examination, examine_log, table};
 use std::path::{Path, PathBuf};
@@ -21,7 +20,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         Some(FailOn::Warning) => Weight::Warning,
         None => return Ok(()),
     };
-    if gravest <= most { Err(Found(gravest.to_string()).into()) } else { Ok(()) }
+    if gravest <= most { Err(Untrusted::Found(gravest).into()) } else { Ok(()) }
 }
 
 fn examined(args: &CheckArgs, path: &Path) -> Result<Examination> {
@@ -32,11 +31,7 @@ fn examined(args: &CheckArgs, path: &Path) -> Result<Examination> {
 fn all(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
     apart::folder("--out", &args.out, &["check.json"], logs)?;
     let rows = many::looked_at(logs, |path| examined(args, path));
-    let text = table::json(&rows)?.to_string() + "\n";
-    atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
-    if args.json {
-        out!("{text}")?;
-    } else {
+    if !results(args.out.join("check.json"), &table::json(&rows)?, args.json)? {
         out!("{}", table::page(&rows))?;
     }
     many::read_some(&args.logs, &rows)?;
@@ -48,22 +43,11 @@ fn one(args: &CheckArgs, path: &Path) -> Result<Weight> {
     apart::folder("--out", &args.out, &["check.json", "spectra.svg", "spectra.png", "spectra.csv"], &[path])?;
     let examination = examined(args, path)?;
     let gravest = examination.findings.first().map_or(Weight::Note, |finding| finding.weight);
-    let text = serde_json::to_string(&examination)? + "\n";
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);
     // A short log has findings but no spectrum; a dead sensor has one without power.
-    let plot = match &examination.spectra[..] {
-        [] => None,
-        spectra => match spectrum_plot(spectra, &words) {
-            Ok(plot) => Some(plot),
-            Err(FigureError::Empty { .. }) => None,
-            Err(error) => return Err(error.into()),
-        },
-    };
-    let files = plot.map(|plot| save(&plot, args.out.join("spectra"))).transpose()?.unwrap_or_default();
+    let files = save_if_any(spectrum_plot(&examination.spectra, &words), args.out.join("spectra"))?;
     // Last: where it lies, the rest does too.
-    atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
-    if args.json {
-        out!("{text}")?;
+    if results(args.out.join("check.json"), &examination, args.json)? {
         return Ok(gravest);
     }
     outln!("{} samples, {:.1} s, {:.2} Hz", examination.samples, examination.length_s, examination.rate_hz)?;

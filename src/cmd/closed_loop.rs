@@ -10,7 +10,7 @@ use dpn_eval::closed_loop::{
     ClosedLoopError, Consistency, Experiment, Manifest, Row, Settings, Sweep, TrackCache, consistency,
 };
 use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
-use dpn_io::{FolderLock, ResultPath, atomic_write};
+use dpn_io::{FolderLock, ResultPath, atomic_write, write_file};
 use dpn_papers::tables as table;
 use dpn_pronet::network::Network;
 use std::sync::Arc;
@@ -118,7 +118,7 @@ pub(super) fn tables(out: ResultPath, rows: Vec<Row>) -> Result<LoopTables> {
     let text = printed(&set, &study, &reports);
     let json = serde_json::to_string(&StudyFile { consistency: &reports, rows: &rows, study: &study })?;
     atomic_write(out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
-    atomic_write(out.join("closed_loop.txt"), |file| file.write_all(text.as_bytes()))?;
+    write_file(out.join("closed_loop.txt"), &text)?;
     Ok(LoopTables { out, rows, text, json })
 }
 

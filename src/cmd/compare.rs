@@ -2,10 +2,10 @@
 
 use super::{apart, log};
 use crate::args::CompareArgs;
-use crate::ui::{Fault, out, print_pictures};
+use crate::ui::{Fault, out, print_pictures, refuse, results};
 use anyhow::Result;
-use dpn_figures::{FigureError, save, spectra_of_two};
-use dpn_io::{atomic_write, printable};
+use dpn_figures::{save_if_any, spectra_of_two};
+use dpn_io::printable;
 use dpn_probe::compare::{Comparison, Side};
 use dpn_probe::doctor::examine_log;
 use std::path::Path;
@@ -16,7 +16,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         && a == b
     {
         let message = format!("{} is compared with itself", args.first.display());
-        return Err(Fault::new(message).hint("name two logs of one sensor, the earlier one first").into());
+        return refuse(message, "name two logs of one sensor, the earlier one first");
     }
     let files = ["compare.json", "spectra.svg", "spectra.png", "spectra.csv"];
     apart::folder("--out", &args.out, &files, &paths)?;
@@ -33,17 +33,11 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     })?;
     let mut json = serde_json::to_value(&comparison)?;
     json["logs"] = names.to_vec().into();
-    let text = json.to_string() + "\n";
-    let plot = match spectra_of_two([(&names[0], &sides[0].spectra), (&names[1], &sides[1].spectra)]) {
-        Ok(plot) => Some(plot),
-        Err(FigureError::Empty { .. }) => None,
-        Err(error) => return Err(error.into()),
-    };
-    let files = plot.map(|plot| save(&plot, args.out.join("spectra"))).transpose()?.unwrap_or_default();
+    let plot = spectra_of_two([(&names[0], &sides[0].spectra), (&names[1], &sides[1].spectra)]);
+    let files = save_if_any(plot, args.out.join("spectra"))?;
     // Last: where it lies, the rest does too.
-    atomic_write(args.out.join("compare.json"), |file| file.write_all(text.as_bytes()))?;
-    if args.json {
-        return Ok(out!("{text}")?);
+    if results(args.out.join("compare.json"), &json, args.json)? {
+        return Ok(());
     }
     out!("{}", comparison.page([&names[0], &names[1]]))?;
     Ok(print_pictures(&files)?)

@@ -1,7 +1,7 @@
 //! `dpn noise convert`.
 
 use crate::args::ConvertArgs;
-use crate::ui::{errln, out, outln};
+use crate::ui::{errln, out, outln, warn};
 use anyhow::Result;
 use dpn_io::noise_formats::{Conversion, Given, NoiseCalibration, read};
 use dpn_probe::allan::compare::implausible;
@@ -28,9 +28,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     for step in &conversion.steps {
         errln!("{step}");
     }
-    for warning in &warnings {
-        errln!("warning: {warning}");
-    }
+    warn(&warnings);
     for remark in &conversion.remarks {
         errln!("note: {remark}");
     }

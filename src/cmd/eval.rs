@@ -2,12 +2,12 @@
 
 use super::{closed_loop, corpus, inertial, program, shipped, stop};
 use crate::args::EvalArgs;
-use crate::ui::{Bar, Fault, errln, outln, print_pictures};
+use crate::ui::{Bar, errln, outln, print_pictures, refuse};
 use anyhow::Result;
 use dpn_core::{SampleRate, Sensor};
 use dpn_eval::open_loop::{OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{rmse_vs_sigma, save};
-use dpn_io::{FolderLock, ResultPath, atomic_write};
+use dpn_io::{FolderLock, ResultPath, write_file, write_json};
 use dpn_papers::tables::open_loop_rows;
 use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
@@ -77,9 +77,7 @@ fn bases(text: Option<&str>) -> Result<Vec<Base>> {
     let bases: Result<Vec<Base>, _> = names.map(str::parse).collect();
     let bases = bases?;
     if bases.is_empty() {
-        return Err(Fault::new("--bases names no base")
-            .hint("for example --bases 'sg(11,2) sg(51,3)'")
-            .into());
+        return refuse("--bases names no base", "for example --bases 'sg(11,2) sg(51,3)'");
     }
     if let Some(error) = bases.iter().find_map(|base| base.filter().err()) {
         return Err(error.into());
@@ -89,11 +87,8 @@ fn bases(text: Option<&str>) -> Result<Vec<Base>> {
 
 /// Everything as CSV and as JSON lines.
 fn write_tables(rows: &[Row], out: &ResultPath) -> Result<()> {
-    let csv = open_loop_rows(rows).csv();
-    atomic_write(out.join("open_loop.csv"), |file| file.write_all(csv.as_bytes()))?;
-    let json = serde_json::to_string(&serde_json::json!({ "rows": rows }))? + "\n";
-    atomic_write(out.join("open_loop.json"), |file| file.write_all(json.as_bytes()))?;
-    Ok(())
+    write_file(out.join("open_loop.csv"), open_loop_rows(rows).csv())?;
+    Ok(write_json(out.join("open_loop.json"), &serde_json::json!({ "rows": rows }))?)
 }
 
 /// The rows a reader asks for first: test windows; the paper's grid and label, continuous levels on the smoothest base,

@@ -1,22 +1,16 @@
 //! `dpn export`.
 
 use super::shipped;
-use crate::args::{ExportArgs, ExportWhat, OnnxArgs};
+use crate::args::{ExportWhat, OnnxArgs};
 use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::Sensor;
-use dpn_io::atomic_write;
+use dpn_io::write_file;
 use dpn_pronet::network::{Network, select};
 use serde_json::json;
 use std::path::Path;
 
-pub(crate) fn run(args: &ExportArgs) -> Result<()> {
-    match &args.what {
-        ExportWhat::Onnx(args) => onnx(args),
-    }
-}
-
-fn onnx(args: &OnnxArgs) -> Result<()> {
+pub(crate) fn run(ExportWhat::Onnx(args): &ExportWhat) -> Result<()> {
     if let Some(path) = &args.inertial {
         return correction(path, args);
     }
@@ -25,7 +19,7 @@ fn onnx(args: &OnnxArgs) -> Result<()> {
         let (weights, sensor, tag) = (&network.weights, network.sensor(), network.tag());
         let bytes = dpn_onnx::to_bytes(weights)?;
         let file = args.out.join(sensor.to_string()).join(format!("{tag}.onnx"));
-        atomic_write(&file, |out| out.write_all(&bytes))?;
+        write_file(&file, &bytes)?;
         let (window, rate_hz, unit) = (weights.config().window, weights.card().rate.hz(), sensor.unit());
         if args.json {
             outln!(
@@ -51,7 +45,7 @@ fn correction(path: &Path, args: &OnnxArgs) -> Result<()> {
     let (config, bytes) = (&model.card.config, model.to_onnx());
     let tag = format!("{}-s{}", config.name, config.seed);
     let file = args.out.join("inertial").join(format!("{tag}.onnx"));
-    atomic_write(&file, |out| out.write_all(&bytes))?;
+    write_file(&file, &bytes)?;
     let (rate_hz, average_s) = (model.card.rate.hz(), config.average_s);
     if args.json {
         return Ok(outln!(

@@ -2,7 +2,7 @@
 
 use super::{apart, log};
 use crate::args::FitArgs;
-use crate::ui::{out, outln, warn};
+use crate::ui::{out, outln, results, warn};
 use anyhow::{Context, Result};
 use dpn_core::{ImuRecording, ImuSample, Recorded, Sensor};
 use dpn_io::asl::write_imu_rows;
@@ -42,12 +42,10 @@ pub(crate) fn run(args: &FitArgs) -> Result<()> {
         "log": args.log.path, "against": args.against, "calibration": calibrations.each_ref().map(Calibration::json),
         "truth_follows_gyroscope": found.follows,
     });
-    let text = all.to_string() + "\n";
     let samples = args.out.join("calibrated.csv");
     atomic_write(&samples, |out| write_imu_rows(out, &calibrated))?;
-    atomic_write(args.out.join("calibration.json"), |file| file.write_all(text.as_bytes()))?;
-    if args.json {
-        return Ok(out!("{text}")?);
+    if results(args.out.join("calibration.json"), &all, args.json)? {
+        return Ok(());
     }
     if found.follows {
         warn([

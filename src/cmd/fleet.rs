@@ -3,12 +3,12 @@
 use super::closed_loop::Machine;
 use super::{shipped, truth};
 use crate::args::FleetArgs;
-use crate::ui::{Fault, errln, out, outln};
+use crate::ui::{Fault, errln, out, results};
 use anyhow::{Context, Result};
 use dpn_eval::closed_loop::{Experiment, Row};
 use dpn_eval::fleet::{FleetPlan, FleetScore, Platform};
 use dpn_eval::sweeps::TRUTH;
-use dpn_io::{FolderLock, ResultPath, atomic_write};
+use dpn_io::{FolderLock, ResultPath, write_file};
 use dpn_papers::tables;
 use std::path::Path;
 
@@ -71,18 +71,11 @@ fn select(plan: &mut FleetPlan, folders: &[String]) -> Result<(), Fault> {
 fn tell(score: &FleetScore, args: &FleetArgs) -> Result<()> {
     let [answer, platforms] = [tables::fleet(score), tables::fleet_platforms(score)];
     let text = format!("{}\n{}", answer.console(), platforms.console());
-    let json = serde_json::to_string(score)? + "\n";
-    let write = |name: &str, text: &str| -> Result<()> {
-        Ok(atomic_write(args.out.join(name), |file| file.write_all(text.as_bytes()))?)
-    };
-    write("fleet.csv", &platforms.csv())?;
-    write("fleet.txt", &text)?;
-    write("fleet.json", &json)?;
-    if args.json {
-        out!("{json}")?;
-    } else {
-        out!("{text}")?;
-        outln!("\nall of it: {}", args.out.join("fleet.json").display())?;
+    write_file(args.out.join("fleet.csv"), platforms.csv())?;
+    write_file(args.out.join("fleet.txt"), &text)?;
+    let file = args.out.join("fleet.json");
+    if !results(file.clone(), score, args.json)? {
+        out!("{text}\nall of it: {}\n", file.display())?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::log;
 use crate::args::{HowArgs, NoiseArgs, RowFormat};
-use crate::ui::{Fault, errln};
+use crate::ui::{errln, refuse};
 use anyhow::Result;
 use dpn_core::{NoiseModel, SampleRate, Sensor, Stamp};
 use dpn_io::{CsvOptions, ImuLines, axis_columns};
@@ -46,9 +46,7 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
         }
         if line.len() as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
             let text = format!("stdin: a line of more than {LONGEST_LINE} bytes");
-            return Err(Fault::new(text)
-                .hint("a sample is a line of text; bags are read by `dpn noise -`")
-                .into());
+            return refuse(text, "a sample is a line of text; bags are read by `dpn noise -`");
         }
         let samples = match lines.push(&line) {
             Ok(samples) => samples,

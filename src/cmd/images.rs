@@ -3,7 +3,7 @@
 use super::along::{self, Along, Source};
 use super::cores::cores;
 use crate::args::ImagesArgs;
-use crate::ui::{Bar, Fault, outln};
+use crate::ui::{Bar, Fault, outln, refuse};
 use anyhow::Result;
 use dpn_core::camera::CameraConfig;
 use dpn_core::imu::ImuRecording;
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| Path::new("runs/images").join(&source.name).into());
     if out.join("mav0").kind().is_some() || out.is_file() {
         let remedy = "name another folder with --out, or remove this one: images of two runs are not mixed";
-        return Err(Fault::new(format!("{} is there already", out.display())).hint(remedy).into());
+        return refuse(format!("{} is there already", out.display()), remedy);
     }
     let camera = RenderedCamera::new(&config, source.path.clone(), along.seed)?;
     let (mut imu, mut truth, imu_config) = match &source.of {
@@ -83,7 +83,7 @@ fn asked_for(args: &ImagesArgs, source: &Along, camera: &RenderedCamera) -> Resu
         let (name, all) = (&source.name, source.stamps.len());
         let remedy = "widen --from and --to, and see that camera and ground truth are on one clock";
         let what = format!("{name}: at none of its {all} frames asked for there is a true pose");
-        return Err(Fault::new(what).hint(remedy).into());
+        return refuse(what, remedy);
     }
     Ok(stamps)
 }

@@ -1,7 +1,7 @@
 //! `dpn noise --into`: the log again, its IMU's messages with the covariances that the track says.
 
 use crate::args::HowArgs;
-use crate::ui::{Fault, errln};
+use crate::ui::{errln, refuse};
 use anyhow::Result;
 use dpn_core::{ImuNoise, Samples, Stamp};
 use dpn_io::atomic_write;
@@ -16,7 +16,7 @@ pub(super) fn check(path: &Path, log: &Log, how: &HowArgs) -> Result<()> {
     let scaled = unit || how.gyro_scale.is_some() || how.accel_scale.is_some() || how.sensor_scale.is_some();
     if scaled && is_copied(path, log.kind)? {
         let text = "--into copies messages as they are, and their numbers are said not to be SI units";
-        return Err(Fault::new(text).hint("convert the log first, or leave the scales away").into());
+        return refuse(text, "convert the log first, or leave the scales away");
     }
     Ok(())
 }

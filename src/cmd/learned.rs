@@ -2,11 +2,11 @@
 
 use super::apart;
 use crate::args::PasteArgs;
-use crate::ui::{Fault, errln, out, outln};
+use crate::ui::{Fault, errln, out, outln, refuse, results};
 use anyhow::Result;
 use dpn_core::noise::Figure;
 use dpn_eval::closed_loop::{LearnedFigure, LearnedNoise};
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::ResultPath;
 use dpn_probe::paste::{FigureLine, Paste};
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &ResultPath, json
             other.rate_hz.hz(),
             first.display()
         );
-        return Err(Fault::new(message).hint("give runs of one platform, and each platform a call").into());
+        return refuse(message, "give runs of one platform, and each platform a call");
     }
     if let Some((figure, [a, b], [quiet, loud])) = apart_by(&all) {
         let (a, b) = (runs[a].display(), runs[b].display());
@@ -54,11 +54,9 @@ pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &ResultPath, json
     let written = paste.written(&how.paste.0);
     let all =
         serde_json::json!({ "runs": runs, "learned_noise": learned, "paste": paste, "formats": written });
-    let text = all.to_string() + "\n";
     let file = out.join("learned.json");
-    atomic_write(&file, |out| out.write_all(text.as_bytes()))?;
-    if json {
-        return Ok(out!("{text}")?);
+    if results(file.clone(), &all, json)? {
+        return Ok(());
     }
     outln!("noise {}", learned.words())?;
     out!("{}", paste.page(&how.paste.0))?;

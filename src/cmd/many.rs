@@ -1,7 +1,7 @@
 //! Many logs at once: which were named, and what is said of each, on all cores.
 
 use super::cores::cores;
-use crate::ui::{Fault, render_error};
+use crate::ui::{refuse, render_error};
 use anyhow::Result;
 use dpn_eval::parallel::each;
 use dpn_io::printable;
@@ -32,15 +32,13 @@ pub(super) fn read_some<T>(named: &[PathBuf], rows: &[(String, Result<T, String>
     if rows.iter().all(|(_, row)| row.is_err()) {
         let first = rows.iter().find_map(|(_, row)| row.as_ref().err()).map_or("", String::as_str);
         let message = format!("none of {} logs can be read, the first: {first}", rows.len());
-        return Err(Fault::new(message)
-            .hint("`dpn check --help` lists the kinds of logs that are read")
-            .into());
+        return refuse(message, "`dpn check --help` lists the kinds of logs that are read");
     }
     match named.iter().find(|path| *path != Path::new("-") && !path.exists()) {
         None => Ok(()),
         Some(missing) => {
             let message = format!("{} does not exist", missing.display());
-            Err(Fault::new(message).hint("the other logs were read; look at its name").into())
+            refuse(message, "the other logs were read; look at its name")
         }
     }
 }

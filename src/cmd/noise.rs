@@ -2,7 +2,7 @@
 
 use super::{against, apart, convert, follow, into, learned, log, many, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
-use crate::ui::{Fault, errln, out, outln, print_pictures};
+use crate::ui::{errln, out, outln, print_pictures, refuse, results, warn};
 use anyhow::{Context, Result};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Recorded, SampleRate, Samples};
@@ -70,16 +70,16 @@ fn all(args: &NoiseArgs, logs: &[PathBuf]) -> Result<()> {
     ];
     if let Some((flag, _)) = of_one.into_iter().find(|(_, given)| *given) {
         let message = format!("{flag} is for one log, and {} are named", logs.len());
-        return Err(Fault::new(message).hint("leave it away for a table of all, or name one log").into());
+        return refuse(message, "leave it away for a table of all, or name one log");
     }
     apart::folder("--out", &args.out, &["summary.json"], logs)?;
     let rows = many::looked_at(logs, |path| {
         let log = log::read_quietly(path, args.span, &args.how)?;
         Ok(NoiseOfLog::of(&log.recording, &examine_log(&log)?)?)
     });
-    let text = json(&rows)?.to_string() + "\n";
-    atomic_write(args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
-    if args.json { out!("{text}") } else { out!("{}", page(&rows)) }?;
+    if !results(args.out.join("summary.json"), &json(&rows)?, args.json)? {
+        out!("{}", page(&rows))?;
+    }
     many::read_some(&args.logs, &rows)
 }
 
@@ -148,13 +148,8 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     if let Some((file, words)) = &into {
         all["into"] = serde_json::json!({ "file": file, "messages": words });
     }
-    let text = all.to_string() + "\n";
-    atomic_write(args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
-    for warning in warnings {
-        errln!("warning: {warning}");
-    }
-    if args.json {
-        out!("{text}")?;
+    warn(warnings);
+    if results(args.out.join("summary.json"), &all, args.json)? {
         return Ok(());
     }
     out!("{}", report::page(&plan, summary, rate))?;

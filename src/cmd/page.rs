@@ -6,7 +6,7 @@
 use super::http::{Answer, Asked, range, serve};
 use super::log;
 use crate::args::PageArgs;
-use crate::ui::{Fault, outln};
+use crate::ui::{outln, refuse};
 use anyhow::{Context, Result};
 use dpn_core::Samples as _;
 use dpn_io::asl::write_imu_rows;
@@ -135,9 +135,10 @@ fn page(web: Option<&Path>) -> Result<Vec<u8>> {
     }
     let looked: Vec<String> =
         places.iter().map(|place| place.join("index.html").display().to_string()).collect();
-    Err(Fault::new(format!("no page: looked for {}", looked.join(", ")))
-        .hint("a release carries it; `cargo xtask web` makes it, in target/web/page: name its folder by --web or DPN_WEB, or lay it beside the program as `web`")
-        .into())
+    refuse(
+        format!("no page: looked for {}", looked.join(", ")),
+        "a release carries it; `cargo xtask web` makes it, in target/web/page: name its folder by --web or DPN_WEB, or lay it beside the program as `web`",
+    )
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::cores::cores;
 use super::{cache, device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
-use crate::ui::{Bar, Fault, Interrupted, errln, outln, warn};
+use crate::ui::{Bar, Interrupted, errln, outln, refuse, warn};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_eval::closed_loop::{Experiment, Settings};
@@ -21,9 +21,7 @@ use std::sync::atomic::AtomicBool;
 pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let opened = asked(args)?.open()?;
     let input = &opened.input;
-    for missing in &input.missing {
-        errln!("warning: no row for {}: {}", missing.name, missing.reason);
-    }
+    warn(input.missing.iter().map(|missing| format!("no row for {}: {}", missing.name, missing.reason)));
     let _work = FolderLock::take(&args.work)?;
     let same = std::fs::canonicalize(args.work.path()).ok() == std::fs::canonicalize(args.out.path()).ok();
     let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
@@ -52,7 +50,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
 fn asked(args: &PaperArgs) -> Result<PaperPlan> {
     if args.settings.calib.is_some() {
         let remedy = "each recording has its own cam0/sensor.yaml; --calib is for `dpn run` and `dpn eval --closed-loop`";
-        return Err(Fault::new("`dpn paper` takes no --calib").hint(remedy).into());
+        return refuse("`dpn paper` takes no --calib", remedy);
     }
     Ok(PaperPlan {
         plan: args.plan.clone().map(Settings::File),

@@ -9,7 +9,7 @@ use dpn_figures::{
     FigureError, Plot, allan_plot, log_noise_plot, spectra_by_motors, spectrogram, spectrum_plot,
 };
 use dpn_io::noise_formats::{Format, Written};
-use dpn_io::{atomic_write, printable};
+use dpn_io::{printable, write_file};
 use dpn_papers::{FindingWords, LogReport, LogSection};
 use dpn_probe::Finding;
 use dpn_probe::allan::AllanLog;
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<()> {
         made_by: program::program(),
     };
     let text = page.html()?;
-    atomic_write(&args.out, |file| file.write_all(text.as_bytes()))?;
+    write_file(&args.out, &text)?;
     outln!("{}: {} kB, {} log(s)", args.out.display(), text.len() / 1000, page.logs.len())?;
     missing
 }

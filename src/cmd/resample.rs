@@ -2,7 +2,7 @@
 
 use super::{apart, log};
 use crate::args::ResampleArgs;
-use crate::ui::{Fault, errln, outln};
+use crate::ui::{errln, outln, refuse};
 use anyhow::{Context, Result};
 use dpn_core::ImuRecording;
 use dpn_core::signal::resample::{PASSES, STOPS, WINDOW_PERIODS, resampled};
@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ResampleArgs) -> Result<()> {
             let message =
                 format!("{path}: the log has {:.1} Hz, and {:.1} Hz are asked for", rate.hz(), to.hz());
             let hint = "give a lower rate: what was not sampled cannot be made, interpolation only lessens the noise";
-            return Err(Fault::new(message).hint(hint).into());
+            return refuse(message, hint);
         }
         let samples = resampled(recording.samples(), rate, to);
         let too_short =

@@ -2,7 +2,7 @@
 
 use super::{apart, foxglove, learned, program, rerun, settings, shipped};
 use crate::args::RunArgs;
-use crate::ui::{Fault, Untrusted, errln, out, outln, warn};
+use crate::ui::{Untrusted, errln, out, outln, refuse, warn};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
@@ -15,7 +15,7 @@ use dpn_eval::closed_loop::{CameraInput, frames_from};
 use dpn_eval::metrics::{AlignmentKind, align};
 use dpn_figures::{Album, Cell, save, timeline, top_view};
 use dpn_io::calibration::Calibration;
-use dpn_io::{ResultPath, atomic_write, write_noise_track, write_tum};
+use dpn_io::{ResultPath, atomic_write, write_file, write_noise_track, write_tum};
 use dpn_live::settings_for;
 use dpn_logs::ImageLogOptions;
 use dpn_vio::clock::{CameraClock, Readout};
@@ -30,9 +30,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
     if args.view.is_some() {
         let text = format!("--view is for what is read as it comes; `{}` is a recording", args.source);
-        return Err(Fault::new(text)
-            .hint("--mcap FILE keeps the run for Foxglove, with the same topics")
-            .into());
+        return refuse(text, "--mcap FILE keeps the run for Foxglove, with the same topics");
     }
     apart_from(args)?;
     let noise: NoiseSpec = args.noise.parse()?;
@@ -261,7 +259,7 @@ fn write(done: &JudgedRun, report: &serde_json::Value, out: &ResultPath) -> Resu
         write_noise_track(out.join("noise_learned.csv"), &done.noise)?;
     }
     let text = serde_json::to_string_pretty(report)? + "\n";
-    atomic_write(out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
+    write_file(out.join("report.json"), &text)?;
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! `dpn simulate`.
 
 use super::{images, rerun, tracks};
-use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
+use crate::args::{FlightArgs, SimulateWhat};
 use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
@@ -11,8 +11,8 @@ use dpn_io::{ResultPath, write_noise_track};
 use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate, simulate_all};
 use nalgebra::Isometry3;
 
-pub(crate) fn run(args: SimulateArgs) -> Result<()> {
-    match args.what {
+pub(crate) fn run(what: SimulateWhat) -> Result<()> {
+    match what {
         SimulateWhat::Flight(args) => flight(args),
         SimulateWhat::Tracks(args) => tracks::run(&args),
         SimulateWhat::Images(args) => images::run(&args),

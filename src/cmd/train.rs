@@ -3,7 +3,7 @@
 use super::training_curve::draw_curve;
 use super::{corpus, device, stop, sweep};
 use crate::args::TrainArgs;
-use crate::ui::{Bar, Fault, Interrupted, errln, outln};
+use crate::ui::{Bar, Interrupted, errln, outln, refuse};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
@@ -72,9 +72,10 @@ fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
     let mut config = dpn_train::config::load_over(args.config.as_deref(), &sets, sensor)?;
     if config.sensor() != sensor {
         let named = args.config.as_deref().unwrap_or(Path::new("--set network.sensor"));
-        return Err(Fault::new(format!("{} is for the sensor `{}`", named.display(), config.sensor()))
-            .hint(format!("say --sensor {}, or give a configuration for `{sensor}`", config.sensor()))
-            .into());
+        return refuse(
+            format!("{} is for the sensor `{}`", named.display(), config.sensor()),
+            format!("say --sensor {}, or give a configuration for `{sensor}`", config.sensor()),
+        );
     }
     if let Some(seed) = args.seed {
         config.seed = seed;

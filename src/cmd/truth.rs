@@ -3,10 +3,10 @@
 use super::along::no_ground_truth;
 use super::program;
 use crate::args::TruthArgs;
-use crate::ui::{errln, outln};
+use crate::ui::{errln, outln, warn};
 use anyhow::{Context, Result};
 use dpn_io::asl::{Sequence, discover, write_ground_truth};
-use dpn_io::{ResultPath, atomic_write};
+use dpn_io::{ResultPath, write_file};
 use dpn_truth::{Report, TruthConfig, reconcile};
 
 pub(crate) fn run(args: &TruthArgs) -> Result<()> {
@@ -65,13 +65,11 @@ fn one(
         "program": program(), "sequence": name, "config": config, "report": done.report,
     });
     let text = serde_json::to_string_pretty(&json)? + "\n";
-    atomic_write(out.join(format!("{name}.json")), |file| file.write_all(text.as_bytes()))?;
+    write_file(out.join(format!("{name}.json")), &text)?;
     // Last: where it lies, its report does too.
     let file = out.join(format!("{name}.csv"));
     write_ground_truth(&file, &done.truth)?;
-    for warning in &done.report.warnings {
-        errln!("warning: {name}: {warning}");
-    }
+    warn(done.report.warnings.iter().map(|warning| format!("{name}: {warning}")));
     say(&format!("{}: {} states; {}", file.display(), done.truth.states().len(), words(&done.report)))?;
     Ok(json)
 }

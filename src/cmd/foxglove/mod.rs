@@ -20,7 +20,7 @@ pub(super) use messages::Onlooker;
 pub(super) use messages::is_due;
 
 #[cfg(not(feature = "view"))]
-use crate::ui::Fault;
+use crate::ui::refuse;
 use anyhow::Result;
 use std::net::SocketAddr;
 
@@ -33,9 +33,8 @@ pub(super) fn onlooker(address: Option<SocketAddr>) -> Result<Option<Box<dyn Onl
     #[cfg(feature = "view")]
     return Ok(Some(Box::new(view::View::open(address)?)));
     #[cfg(not(feature = "view"))]
-    Err(Fault::new(format!("this dpn was built without what --view={address} needs"))
-        .hint(
-            "take a release's, or build it with the feature: cargo install --path . --locked --features view",
-        )
-        .into())
+    refuse(
+        format!("this dpn was built without what --view={address} needs"),
+        "take a release's, or build it with the feature: cargo install --path . --locked --features view",
+    )
 }

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use dpn_core::{GrayImage, Stamp};
-use dpn_io::atomic_write;
+use dpn_io::write_file;
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use re_sdk::sink::MemorySinkStorage;
 use re_sdk::{AsComponents, RecordingStream, RecordingStreamBuilder, TimeCell};
@@ -89,7 +89,7 @@ impl RerunLog {
     /// Writes the file, whole or not at all.
     pub(super) fn finish(self, path: &Path) -> Result<()> {
         let bytes = self.storage.drain_as_bytes()?;
-        atomic_write(path, |out| out.write_all(&bytes))?;
+        write_file(path, &bytes)?;
         Ok(())
     }
 }

@@ -23,7 +23,7 @@ mod run;
 #[cfg(feature = "rerun")]
 pub(super) use {flight::flights, noise::noise, run::RunScene};
 
-use crate::ui::Fault;
+use crate::ui::refuse;
 use anyhow::Result;
 use std::path::Path;
 
@@ -33,7 +33,5 @@ pub(super) fn check(flag: Option<&Path>) -> Result<()> {
         return Ok(());
     }
     let text = "this dpn was built without the SDK that --rerun needs";
-    Err(Fault::new(text)
-        .hint("build it with the feature: cargo install --path . --locked --features rerun")
-        .into())
+    refuse(text, "build it with the feature: cargo install --path . --locked --features rerun")
 }

@@ -5,7 +5,7 @@ use crate::args::TrainArgs;
 use crate::cmd::cores::cores;
 use crate::cmd::device::CPU;
 use crate::cmd::{program, stop};
-use crate::ui::{Bar, Fault, Interrupted, errln, outln};
+use crate::ui::{Bar, Interrupted, errln, outln, refuse};
 use anyhow::Result;
 use dpn_core::progress::{Progress, Silent};
 use dpn_eval::sweeps::{
@@ -24,9 +24,10 @@ const ON_CARD: usize = 16;
 
 pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     if PlanKind::read(file)? != PlanKind::Train {
-        return Err(Fault::new(format!("{}: this plan trains nothing", file.display()))
-            .hint("its kind must be \"train\", as in configs/sweep/train.toml")
-            .into());
+        return refuse(
+            format!("{}: this plan trains nothing", file.display()),
+            "its kind must be \"train\", as in configs/sweep/train.toml",
+        );
     }
     let mut asked: TrainPlan = dpn_io::config::load(file)?;
     asked.data = args.data.clone().or(asked.data);

@@ -10,11 +10,11 @@ mod trainer;
 
 pub(crate) use many::many;
 
-use crate::args::{SweepArgs, SweepWhat};
+use crate::args::SweepWhat;
 use anyhow::Result;
 
-pub(crate) fn run(args: SweepArgs) -> Result<()> {
-    match args.what {
+pub(crate) fn run(what: SweepWhat) -> Result<()> {
+    match what {
         SweepWhat::Plan(args) => plan::run(&args),
         SweepWhat::Run(args) => run::run(&args),
         SweepWhat::Collect(args) => collect::run(&args),

@@ -4,7 +4,7 @@ use super::lasting::lasting;
 use super::trainer::{CorpusTrainer, MODELS};
 use crate::args::SweepPlanArgs;
 use crate::cmd::{fleet, program, shipped};
-use crate::ui::{Fault, outln, warn};
+use crate::ui::{Fault, outln, refuse, warn};
 use anyhow::Result;
 use dpn_eval::closed_loop::{Experiment, SequenceSet, Sequences};
 use dpn_eval::fleet::FleetPlan;
@@ -12,8 +12,8 @@ use dpn_eval::sweeps::{
     Balance, Group, JobToPlan, LoopJob, PlanKind, Planned, Size, SweepFolder, SweepManifest, TrainPlan,
     balance, plan,
 };
-use dpn_io::atomic_write;
 use dpn_io::config::load;
+use dpn_io::write_file;
 use dpn_papers::{Paper, PaperPlan};
 use dpn_pronet::network::Network;
 use std::path::{Path, PathBuf};
@@ -65,9 +65,10 @@ fn of_experiments(
     let sources: Vec<SequenceSet> =
         experiments.iter().map(|(_, experiment)| experiment.source()).collect::<Result<_, _>>()?;
     if sources.iter().any(|source| matches!(source.of, Sequences::Logged(_))) {
-        return Err(Fault::new("a log with images is one sequence, and no sweep is cut of it")
-            .hint("run it with `dpn eval --closed-loop --camera images --data LOG`")
-            .into());
+        return refuse(
+            "a log with images is one sequence, and no sweep is cut of it",
+            "run it with `dpn eval --closed-loop --camera images --data LOG`",
+        );
     }
     let networks = shipped::or_of(models)?;
     let mut jobs = Vec::new();
@@ -119,7 +120,7 @@ fn cut(
         let name = network.path.file_name().expect("it was read from a file");
         let path = args.out.join(MODELS).join(format!("{number:04}")).join(name);
         let bytes = network.weights.to_bytes()?;
-        atomic_write(&path, |file| file.write_all(&bytes))?;
+        write_file(&path, &bytes)?;
     }
     Ok(planned)
 }

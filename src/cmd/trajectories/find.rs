@@ -1,7 +1,7 @@
 //! Which files belong together.
 
 use crate::args::TrajectoryArgs;
-use crate::ui::{Fault, errln};
+use crate::ui::{Fault, errln, refuse};
 use anyhow::Result;
 use dpn_io::asl::Sequence;
 use dpn_io::{IoError, printable};
@@ -65,7 +65,7 @@ pub(super) fn cases(args: &TrajectoryArgs, names: &[String]) -> Result<Vec<Case>
             args.estimates[number].display()
         );
         let hint = "call a sequence's file alike in both folders, whatever its ending: V1_01.csv, V1_01.tum";
-        return Err(Fault::new(message).hint(hint).into());
+        return refuse(message, hint);
     }
     Ok(cases)
 }
@@ -76,7 +76,7 @@ fn one(path: &Path) -> Result<Option<PathBuf>> {
         if path.exists() && !path.is_file() {
             let message =
                 format!("{} is a pipe or a device, and a trajectory is read more than once", path.display());
-            return Err(Fault::new(message).hint("write it to a file first").into());
+            return refuse(message, "write it to a file first");
         }
         return Ok(Some(path.to_owned()));
     }
@@ -93,7 +93,7 @@ fn all_in(dir: &Path) -> Result<BTreeMap<String, PathBuf>> {
     let mut all = BTreeMap::new();
     if dir.is_file() {
         let message = format!("{} is a file where the truth is a folder of sequences", dir.display());
-        return Err(Fault::new(message).hint("with a folder of truths, estimates are folders too").into());
+        return refuse(message, "with a folder of truths, estimates are folders too");
     }
     let entries = std::fs::read_dir(dir).map_err(|error| IoError::reading(dir, error))?;
     for entry in entries {
@@ -108,7 +108,7 @@ fn all_in(dir: &Path) -> Result<BTreeMap<String, PathBuf>> {
         let Some(file) = one(&path)? else { continue };
         if let Some(other) = all.insert(name, file) {
             let message = format!("{} and {} are of one name", other.display(), path.display());
-            return Err(Fault::new(message).hint("leave one of them in the folder").into());
+            return refuse(message, "leave one of them in the folder");
         }
     }
     Ok(all)

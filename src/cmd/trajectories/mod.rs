@@ -7,7 +7,7 @@ mod say;
 
 use super::apart;
 use crate::args::{ApeArgs, DeltaUnit, MAX_DIFF_S, RpeArgs, TrajectoryArgs};
-use crate::ui::{Fault, errln, out, print_pictures};
+use crate::ui::{Fault, errln, out, print_pictures, refuse};
 use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
@@ -70,7 +70,7 @@ fn run(
                 case.estimate.display()
             );
             let hint = "leave it away, or put a stamp before each pose or times.txt beside each file";
-            return Err(Fault::new(message).hint(hint).into());
+            return refuse(message, hint);
         }
         warn_of_start(args, &truth, &case);
         let compared = compare(&truth, &estimate, &by)
@@ -102,22 +102,19 @@ fn comparing(args: &TrajectoryArgs) -> Result<Comparing> {
     ] {
         // The seconds of a stamp in nanoseconds end at 9.2e9.
         if value.is_some_and(|value| !value.is_finite() || value.abs() > 9e9) {
-            return Err(Fault::new(format!("{name} is no number of seconds"))
-                .hint("give seconds, as stamps have them")
-                .into());
+            return refuse(format!("{name} is no number of seconds"), "give seconds, as stamps have them");
         }
     }
     if args.n_to_align.is_some() && !args.align && !args.correct_scale {
-        return Err(Fault::new("--n_to_align aligns nothing without -a or -s")
-            .hint("give -a, -s or both")
-            .into());
+        return refuse("--n_to_align aligns nothing without -a or -s", "give -a, -s or both");
     }
     if let (Some(start), Some(end)) = (args.t_start, args.t_end)
         && start > end
     {
-        return Err(Fault::new(format!("--t_start {start} is after --t_end {end}"))
-            .hint("both are stamps; give the earlier one as --t_start")
-            .into());
+        return refuse(
+            format!("--t_start {start} is after --t_end {end}"),
+            "both are stamps; give the earlier one as --t_start",
+        );
     }
     let stamp = |seconds: f64| Stamp::from_ns(0).plus_seconds(seconds);
     Ok(Comparing {
@@ -210,7 +207,7 @@ fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Believed, b
     let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
     if same(truth, estimate) == Some(true) {
         let message = format!("{} is compared with itself", truth.display());
-        return Err(Fault::new(message).hint("name the truth first, then what is judged").into());
+        return refuse(message, "name the truth first, then what is judged");
     }
     let counted = |path: &Path| match bag(path) {
         Some(_) => Ok(None),
@@ -226,7 +223,7 @@ fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Believed, b
             );
             let hint =
                 "poses without stamps belong together line by line: give as many, or stamps before each";
-            return Err(Fault::new(message).hint(hint).into());
+            return refuse(message, hint);
         }
         return Ok((truth_poses, (poses, Vec::new()), true));
     }
@@ -278,14 +275,14 @@ fn stem(file: &Path) -> Result<PathBuf> {
         || file.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
     {
         let message = format!("--save_plot {}: a folder, and a picture needs a name", file.display());
-        return Err(Fault::new(message).hint("name a file in it: FILE.svg").into());
+        return refuse(message, "name a file in it: FILE.svg");
     }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {
         Some("svg" | "png") => Ok(file.with_extension("")),
         Some("pdf" | "jpg" | "jpeg" | "eps") => {
             let message = format!("{}: pictures are SVG and PNG", file.display());
-            Err(Fault::new(message).hint("name FILE.svg; a browser prints it as PDF").into())
+            refuse(message, "name FILE.svg; a browser prints it as PDF")
         }
         _ => Ok(file.to_owned()),
     }
