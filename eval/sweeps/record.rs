@@ -176,8 +176,8 @@ fn results(dir: &ResultPath) -> Result<Vec<PathBuf>, IoError> {
         for (name, kind) in dir.join(&folder).list()? {
             let path = folder.join(&name);
             let Some(name) = name.to_str() else {
-                let source = std::io::Error::other("a name that is no text (UTF-8), and no result's");
-                return Err(IoError::Read { path: dir.join(path).path().to_path_buf(), source });
+                let path = dir.join(path).path().to_path_buf();
+                return Err(IoError::InTheWay { path, what: "a name that is no text (UTF-8)" });
             };
             if kind == Kind::Folder {
                 folders.push(path);
@@ -188,4 +188,23 @@ fn results(dir: &ResultPath) -> Result<Vec<PathBuf>, IoError> {
     }
     found.sort();
     Ok(found)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use std::os::unix::ffi::OsStrExt;
+
+    #[test]
+    fn a_name_that_is_no_text_says_what_to_do_and_that_helps() {
+        let tmp = tempfile::tempdir().unwrap();
+        std::fs::write(tmp.path().join("rows.csv"), "1").unwrap();
+        let odd = tmp.path().join(std::ffi::OsStr::from_bytes(b"gr\xfcn.csv"));
+        std::fs::write(&odd, "1").unwrap();
+        let error = results(&ResultPath::from(tmp.path())).unwrap_err();
+        assert!(error.to_string().contains("a name that is no text (UTF-8)"), "{error}");
+        assert!(error.hint().unwrap().contains("remove it and run the same again"), "{error}");
+        std::fs::remove_file(odd).unwrap();
+        assert_eq!(results(&ResultPath::from(tmp.path())).unwrap(), [PathBuf::from("rows.csv")]);
+    }
 }

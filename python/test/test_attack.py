@@ -132,7 +132,7 @@ def test_samples_that_no_sensor_gives_leave_poses_of_numbers(value):
     odometry = dpn.Odometry(CAMERA, "x1", camera="tracks")
     ids, points = np.arange(40), np.random.default_rng(0).uniform(50, 400, (40, 2))
     for k in range(2000):
-        odometry.feed_imu(5_000_000 * (k + 1), [0, 0, 0], [0, 0, value if k % 400 == 399 else 9.81])
+        odometry.feed_imu(5_000_000 * (k + 1), [0, 0, 1e-6 * (k % 7)], [0, 0, value if k % 400 == 399 else 9.81])
         if k % 20 == 10:
             odometry.feed_tracks(5_000_000 * k, ids, points + 0.05 * k)
         for update in odometry.updates():

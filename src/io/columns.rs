@@ -45,6 +45,9 @@ named!(
         /// A thousandth of standard gravity.
         #[serde(rename = "mg")]
         MilliGravity = "mg",
+        /// A hundredth of a metre a second squared, a gal.
+        #[serde(rename = "cm/s^2")]
+        CentimetrePerSecond2 = "cm/s^2",
     }
 );
 
@@ -55,6 +58,7 @@ impl AccelUnit {
             Self::MetrePerSecond2 => 1.0,
             Self::StandardGravity => STANDARD_GRAVITY,
             Self::MilliGravity => STANDARD_GRAVITY * 1e-3,
+            Self::CentimetrePerSecond2 => 1e-2,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Units and columns that nobody named, told from the numbers.
 //!
-//! * Accelerometer: the median length of its vector is gravity's on any vehicle, within a factor: .5 to 2 is g, 500 to 2000 mg, all else m/s^2.
+//! * Accelerometer: the median length of its vector is gravity's on any vehicle, within a factor: .5 to 2 is g, 500 to 2000 mg,
+//!   but within a per cent of 981, where it is cm/s^2; all else m/s^2.
 //! * Gyroscope: where the accelerometer is quiet, a gyroscope's sample scatters by less than .02 rad/s, while .02 deg/s is little. Else, were
 //!   the numbers rad/s, they would turn the accelerometer's vector back to one that is the same for seconds: gravity. Where they do not, they
 //!   count in degrees. (That gravity turns in the body's frame as the gyroscope says would be simpler and is wrong in the air: a rotor craft
@@ -49,6 +50,8 @@ fn length(samples: &dyn Samples, of: fn(&ImuSample) -> [f64; 3]) -> io::Result<O
 pub(crate) fn accel_unit(samples: &dyn Samples) -> io::Result<AccelUnit> {
     Ok(match length(samples, |s| s.accel)? {
         Some(g) if (0.5..2.0).contains(&g) => AccelUnit::StandardGravity,
+        // Nearer to 980.665 than to 1000.
+        Some(gal) if (970.0..990.3).contains(&gal) => AccelUnit::CentimetrePerSecond2,
         Some(mg) if (500.0..2000.0).contains(&mg) => AccelUnit::MilliGravity,
         _ => AccelUnit::MetrePerSecond2,
     })
@@ -176,6 +179,7 @@ mod tests {
             (1.0, AccelUnit::MetrePerSecond2),
             (1.0 / 9.80665, AccelUnit::StandardGravity),
             (1000.0 / 9.80665, AccelUnit::MilliGravity),
+            (100.0, AccelUnit::CentimetrePerSecond2),
         ] {
             assert_eq!(accel_unit(&scaled(samples(0.2), 1.0, factor).as_slice()).unwrap(), unit);
         }

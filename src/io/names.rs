@@ -267,7 +267,7 @@ fn unknown_unit(header: &Header, path: &Path, column: usize, unit: &str, slot: u
     let known = match slot {
         0 => "s, ms, us, ns",
         1..=3 => "rad/s, deg/s (the same for all axes)",
-        _ => "m/s^2, g, mg (the same for all axes)",
+        _ => "m/s^2, g, mg, cm/s^2 (the same for all axes)",
     };
     let (column, unit) = (header.names[column].clone(), unit.to_owned());
     IoError::row(path, header.line, RowFault::UnknownUnit { column, unit, known })
@@ -405,6 +405,7 @@ fn known<U: Copy>(unit: &str, dimension: Dimension, all: &[U], scale: fn(U) -> f
         "rads1" | "rads" | "radsec" | "radpersec" => "rad/s",
         "degs1" | "degs" | "degsec" | "degpersec" => "deg/s",
         "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => "m/s^2",
+        "cms2" | "cmss" | "cms²" | "gal" | "gals" => "cm/s^2",
         unit => unit,
     };
     let unit = unit::parse(unit).ok()?;

@@ -64,6 +64,59 @@ pub(super) fn copies(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     Ok(if told.is_empty() { Vec::new() } else { vec![finding()] })
 }
 
+/// Most of an axis' range that its values go in one step and back is a counter that ran over; no motion leaves out what lies between.
+const OVER: f64 = 0.8;
+const NEAR: f64 = 0.3;
+/// Fewest such steps.
+const OVERS: usize = 3;
+
+/// Axes that run over: beyond the largest value stands the smallest.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(super) fn overflows(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
+    let (mut low, mut high) = ([f64::INFINITY; 6], [f64::NEG_INFINITY; 6]);
+    recording.each(0..recording.len(), &mut |s| {
+        for (axis, v) in all(s).into_iter().enumerate() {
+            (low[axis], high[axis]) = (low[axis].min(v), high[axis].max(v));
+        }
+    })?;
+    let start = recording.span()[0];
+    // Steps over little of the range, over some and over most of it, and where the first of these is. An axis of two values has none over little.
+    let mut steps: [([usize; 3], f64); 6] = [([0; 3], f64::NAN); 6];
+    recording.pairs(&mut |a, b| {
+        let (before, now) = (all(a), all(b));
+        for (axis, ([small, between, over], first_s)) in steps.iter_mut().enumerate() {
+            let share = (now[axis] - before[axis]).abs() / (high[axis] - low[axis]);
+            if share > OVER {
+                *over += 1;
+                *first_s = if first_s.is_nan() { b.t.seconds_since(start) } else { *first_s };
+            } else if share > NEAR {
+                *between += 1;
+            } else if share > 0.0 {
+                *small += 1;
+            }
+        }
+    })?;
+    let told: Vec<String> = (0..6)
+        .filter(|axis| matches!(steps[*axis].0, [small, 0, over] if over >= OVERS && small >= OVERS))
+        .map(|axis| {
+            let ([_, _, over], first_s) = steps[axis];
+            format!(
+                "{} {over} time(s), first at {first_s:.2} s, between {:.4} and {:.4}",
+                AXES[axis], low[axis], high[axis]
+            )
+        })
+        .collect();
+    Ok((!told.is_empty()).then(|| {
+        Finding::bad(
+            "overflow",
+            format!("values jump over their whole range from one sample to the next and never over part of it: {}", told.join("; ")),
+            "a counter runs over, or negative numbers were written without their sign: look at the driver's types, and choose a larger measuring range",
+        )
+    }))
+}
+
 /// Single readings that jump away from both neighbours, which go on as if nothing had been.
 pub(super) fn jumps(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
     if recording.len() < 100 {
@@ -144,6 +197,26 @@ mod tests {
         assert_eq!(copies(&changed(|_, _| {})).unwrap(), []);
         let found = copies(&changed(|_, s| (s.gyro[1], s.accel[2]) = (-s.gyro[0], s.accel[1]))).unwrap();
         assert_eq!(found[0].text, "gyro y is gyro x negated, accel z is accel y once more");
+    }
+
+    #[test]
+    fn counters_that_run_over_and_signs_that_are_lost_are_named_and_shaking_is_not() {
+        assert_eq!(overflows(&changed(|_, _| {})).unwrap(), None);
+        let text =
+            |change: fn(usize, &mut ImuSample)| overflows(&changed(change)).unwrap().expect("a finding").text;
+        let turned = |i: usize| 1.4 * (0.01 * i as f64).sin();
+        let over =
+            text(|i, s| s.gyro[0] = (s.gyro[0] + 1.4 * (0.01 * i as f64).sin() + 1.0).rem_euclid(2.0) - 1.0);
+        assert!(over.contains(": gyro x ") && !over.contains("gyro y"), "{over}");
+        let unsigned = text(|_, s| s.accel[1] = s.accel[1].rem_euclid(65.536));
+        assert!(unsigned.contains(": accel y "), "{unsigned}");
+        assert_eq!(overflows(&changed(|i, s| s.gyro[0] += turned(i))).unwrap(), None);
+        let shaken = |i: usize, s: &mut ImuSample| {
+            s.accel[0] += if i % 2 == 0 { 3.0 } else { -3.0 } * (0.02 * i as f64).sin()
+        };
+        assert_eq!(overflows(&changed(shaken)).unwrap(), None);
+        let two = |i: usize, s: &mut ImuSample| s.gyro = [if i % 5 == 0 { 0.1 } else { 0.0 }; 3];
+        assert_eq!(overflows(&changed(two)).unwrap(), None);
     }
 
     #[test]

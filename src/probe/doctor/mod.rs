@@ -3,7 +3,9 @@
 //! * [`timing`]: rate, jitter, dropped samples, the same sample twice.
 //! * `clock`: clocks that were set, rates that no IMU has.
 //! * [`values`]: gravity, units, swapped columns, clipped and dead axes, converter steps.
-//! * `mixed`: a gyroscope's unit, axes that are others, readings that jump by themselves.
+//! * `frozen`: sensors that stand still for a while.
+//! * `mixed`: a gyroscope's unit, axes that are others, counters that run over, readings that jump by themselves.
+//! * `turned`: gravity's direction against the gyroscope's turns.
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
@@ -17,6 +19,7 @@
 mod clock;
 #[cfg(feature = "logs")]
 mod covariance;
+mod frozen;
 mod kept;
 mod mixed;
 pub mod motion;
@@ -24,6 +27,7 @@ pub mod motion;
 pub mod reading;
 pub mod table;
 pub mod timing;
+mod turned;
 pub mod values;
 pub mod vibration;
 
@@ -118,7 +122,8 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let recording = part.as_ref().map_or(recording, |part| part);
     let mut findings: Vec<Finding> = jumps.into_iter().collect();
     let (of_timing, lost) = timing::findings(recording)?;
-    let of_rates = rates::finding(&rates::parts(recording)?);
+    let parts = rates::parts(recording)?;
+    let of_rates = rates::finding(&parts);
     // Steps of a second rate are neither holes nor jitter.
     findings.extend(
         of_timing.into_iter().filter(|f| of_rates.is_none() || !["gaps", "jitter"].contains(&f.about)),
@@ -129,6 +134,7 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     findings.extend(outliers);
     let (fresh, repeats) = timing::without_repeats(measured)?;
     let measured = fresh.as_ref().map_or(measured, |fresh| fresh);
+    findings.extend(frozen::findings(recording)?);
     let is_repeating = repeats.is_some();
     findings.extend(repeats);
     let rest = crate::allan::rest::rest(measured)?;
@@ -136,11 +142,18 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let (of_values, gravity) = values::findings(measured, &rest)?;
     findings.extend(of_values);
     findings.extend(mixed::copies(measured)?);
+    findings.extend(mixed::overflows(measured)?);
     findings.extend(mixed::jumps(measured)?);
+    findings.extend(turned::flips(measured)?);
+    if !findings.iter().any(|found| ["units", "columns", "dead"].contains(&found.about)) {
+        findings.extend(turned::axes(measured)?);
+    }
     findings.extend(vibration::finding(&spectra));
     let stretches = phases(measured)?;
     findings.extend(motion::findings(measured, &rest, &stretches)?);
-    let at_rest = RestNoise::of(measured, &stretches)?;
+    // Without the rows that repeat it has another rate.
+    let parts = if is_repeating { rates::parts(measured)? } else { parts };
+    let at_rest = RestNoise::in_parts(measured, &stretches, &parts)?;
     // Where rows repeat, both sensors are held.
     let of_rest = at_rest.iter().flat_map(RestNoise::findings);
     findings.extend(of_rest.filter(|f| !is_repeating || f.about != "held"));

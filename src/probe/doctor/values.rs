@@ -117,6 +117,7 @@ pub fn meaningless(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     if !is_mixed_up(&findings) {
         findings.extend(mixed::loud(measured)?);
     }
+    findings.extend(mixed::overflows(measured)?);
     findings.extend(jumps.into_iter().chain(clock::unlikely(recording.rate())).chain(outliers));
     findings.retain(|finding| finding.weight == Weight::Bad);
     Ok(findings)
@@ -170,6 +171,7 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<(Vec<Finding>, f
     let read = format!("the accelerometer reads {force:.3} m/s^2 {when}");
     let units = [
         ("g", 0.9..1.1, "read the log with --accel-unit g"),
+        ("cm/s^2", 970.0..990.3, "read the log with --accel-unit cm/s^2"),
         ("mg", 900.0..1100.0, "read the log with --accel-unit mg"),
         (
             "m/s^2, not in g",
@@ -381,6 +383,8 @@ pub(crate) mod tests {
         assert!(
             said(with(|s| s.accel = s.accel.map(|v| v * 101.97)), "units")[0].ends_with("it counts in mg")
         );
+        let gal = said(with(|s| s.accel = s.accel.map(|v| v * 100.0)), "units");
+        assert!(gal[0].ends_with("it counts in cm/s^2"), "{gal:?}");
         assert!(
             said(with(|s| std::mem::swap(&mut s.accel, &mut s.gyro)), "columns")[0]
                 .starts_with("bad: gravity stands in the gyroscope's")
