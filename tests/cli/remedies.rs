@@ -463,6 +463,20 @@ fn faults() -> Vec<Fault> {
     let warms = changed(30_000, |i, _, v| v[0] += 3e-6 * 10_000_usize.saturating_sub(i) as f64);
     let slow = level(3000);
     let frozen = changed(3000, |i, _, v| *v = slow[i - usize::from(i % 5 == 4)].1);
+    let in_gal = scaled(100.0);
+    let stopped = changed(3000, |i, _, v| *v = slow[if (1000..1400).contains(&i) { 1000 } else { i }].1);
+    let flipped =
+        changed(3000, |i, _, v| v[3..].iter_mut().for_each(|v| *v *= if i < 1500 { 1.0 } else { -1.0 }));
+    let over = |range: f64| {
+        let run = |v: f64| (v + range).rem_euclid(2.0 * range) - range;
+        changed(3000, move |i, _, v| v[0] = run(v[0] + 1.4 * (0.02 * i as f64).sin()))
+    };
+    // Rolled to and fro, the gyroscope's x and y swapped.
+    let rolled = changed(6000, |i, _, v| {
+        let (sin, cos) = (0.02 * i as f64).sin_cos();
+        let (up, level) = (1.2 * sin).sin_cos();
+        (v[1], v[4], v[5]) = (v[1] + 4.8 * cos, v[4] + 9.81 * up, v[5] + 9.81 * (level - 1.0));
+    });
     let own = rows(4000, 4_000_000);
     let mut held = rows(6400, 2_500_000);
     held.iter_mut().enumerate().for_each(|(i, (_, v))| v[3..].copy_from_slice(&own[i * 5 / 8].1[3..]));
@@ -481,6 +495,16 @@ fn faults() -> Vec<Fault> {
             told(&in_mg, &["--accel-unit", "m/s^2"]),
             told(&in_mg, &["--accel-unit", "mg"]),
         ),
+        (
+            "units",
+            "--accel-unit cm/s^2",
+            told(&in_gal, &["--accel-unit", "m/s^2"]),
+            told(&in_gal, &["--accel-unit", "cm/s^2"]),
+        ),
+        ("frozen", "leave these seconds out", told(&stopped, &[]), told(&stopped, &["--from", "7.1"])),
+        ("axes", "cut the log there", told(&flipped, &[]), told(&flipped, &["--to", "7.4"])),
+        ("axes", "--columns orders them", told(&rolled, &[]), told(&rolled, &["--columns", "1,3,2,4,5,6,7"])),
+        ("overflow", "a larger measuring range", (over(1.0), &[]), (over(9.0), &[])),
         ("units", "--accel-unit m/s^2", told(&said_g, &[]), told(&said_g, &["--accel-unit", "m/s^2"])),
         (
             "units",
