@@ -131,7 +131,7 @@ impl Clock {
         if stamps_s >= PACE_S {
             self.is_timely = PACE.contains(&(came.saturating_duration_since(begun).as_secs_f64() / stamps_s));
         }
-        if stamps_s >= PACE_S || stamps_s < 0.0 {
+        if !(0.0..PACE_S).contains(&stamps_s) {
             self.pace_from = Some((t, came));
         }
     }

@@ -67,6 +67,14 @@ impl Run {
     }
 }
 
+/// Where the first run begins and how long it lasts \[s\], how many there are, and how long they are together.
+#[derive(Default)]
+struct Found {
+    first: Option<[f64; 2]>,
+    count: usize,
+    length_s: f64,
+}
+
 /// What is to be said.
 ///
 /// # Errors
@@ -75,12 +83,11 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     let start = recording.span()[0];
     let all = [None, Some(Sensor::Accel), Some(Sensor::Gyro)].map(Watched);
     let mut runs: [Run; 3] = Default::default();
-    // Of each: the first, how many, and how long together.
-    let mut found: [(Option<(f64, f64)>, usize, f64); 3] = Default::default();
-    let end = |run: &Run, what: Watched, found: &mut (Option<(f64, f64)>, usize, f64)| {
+    let mut found: [Found; 3] = Default::default();
+    let end = |run: &Run, what: Watched, found: &mut Found| {
         if let Some(first) = run.first.filter(|_| run.is_frozen(what)) {
-            found.0.get_or_insert((first.t.seconds_since(start), run.to_s));
-            (found.1, found.2) = (found.1 + 1, found.2 + run.to_s);
+            found.first.get_or_insert([first.t.seconds_since(start), run.to_s]);
+            (found.count, found.length_s) = (found.count + 1, found.length_s + run.to_s);
         }
     };
     recording.each(0..recording.len(), &mut |s| {
@@ -94,10 +101,10 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     for ((run, found), what) in runs.iter().zip(&mut found).zip(all) {
         end(run, what, found);
     }
-    let both = found[0].1 > 0;
+    let both = found[0].count > 0;
     let told = found.into_iter().zip(all).filter(|(_, what)| what.0.is_none() || !both);
-    let said = told.filter_map(|((first, count, length_s), what)| {
-        let (from, for_s) = first.filter(|_| length_s < DEAD * recording.length_s())?;
+    let said = told.filter_map(|(Found { first, count, length_s }, what)| {
+        let [from, for_s] = first.filter(|_| length_s < DEAD * recording.length_s())?;
         let who = what.0.map_or("both sensors".to_owned(), |sensor| format!("the {}", instrument(sensor)));
         let more = if count > 1 { format!(", {count} times, {length_s:.1} s in all") } else { String::new() };
         let text = format!("the values of {who} stand still for {for_s:.1} s from {from:.1} s on{more}, to the last digit");

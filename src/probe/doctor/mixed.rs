@@ -212,10 +212,10 @@ mod tests {
         assert!(unsigned.contains(": accel y "), "{unsigned}");
         assert_eq!(overflows(&changed(|i, s| s.gyro[0] += turned(i))).unwrap(), None);
         let shaken = |i: usize, s: &mut ImuSample| {
-            s.accel[0] += if i % 2 == 0 { 3.0 } else { -3.0 } * (0.02 * i as f64).sin()
+            s.accel[0] += if i.is_multiple_of(2) { 3.0 } else { -3.0 } * (0.02 * i as f64).sin();
         };
         assert_eq!(overflows(&changed(shaken)).unwrap(), None);
-        let two = |i: usize, s: &mut ImuSample| s.gyro = [if i % 5 == 0 { 0.1 } else { 0.0 }; 3];
+        let two = |i: usize, s: &mut ImuSample| s.gyro = [if i.is_multiple_of(5) { 0.1 } else { 0.0 }; 3];
         assert_eq!(overflows(&changed(two)).unwrap(), None);
     }
 
