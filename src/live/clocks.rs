@@ -194,7 +194,10 @@ impl<E> LiveClocks<E> {
             return ready;
         }
         let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
-        let agree = last.map(|last| (0.0..=OFF_S).contains(&raw.seconds_since(last)));
+        let step_s = self.clocks[sensor as usize].step_s;
+        // One that is late is no beginning of those that are set.
+        let most = if step_s > 0.0 { (NEAR_S + 3.0 * step_s).min(OFF_S) } else { OFF_S };
+        let agree = last.map(|last| (0.0..=most).contains(&raw.seconds_since(last)));
         if agree == Some(false) {
             // Neither here nor there: two that are wrong, each in its own way.
             self.drop_held(sensor);
@@ -536,7 +539,8 @@ impl<E> LiveClocks<E> {
 
     fn passed(&mut self, sensor: LiveSensor, t: Stamp, other: Option<Stamp>, came: Option<Instant>) {
         let others_held = self.clocks[sensor.other() as usize].held;
-        let off_s = self.off_s(sensor, t).filter(|_| others_held == 0);
+        // What a wrong stamp makes of it is no rule.
+        let off_s = self.off_s(sensor, t).filter(|off_s| others_held == 0 && off_s.abs() <= OFF_S);
         let clock = &mut self.clocks[sensor as usize];
         let step = clock.last.map_or(0.0, |last| t.seconds_since(last));
         let goes_on = step > 0.0 && step <= OFF_S;
@@ -554,7 +558,7 @@ impl<E> LiveClocks<E> {
                 clock.usual_off_s = Some((kept * clock.usual_off_s.unwrap_or_default()).max(off_s.abs()));
             }
             let late_s = clock.late_s(t, came).unwrap_or_default();
-            clock.usual_late_s = (kept * clock.usual_late_s).max(late_s.abs());
+            clock.usual_late_s = (kept * clock.usual_late_s).max(late_s.abs().min(OFF_S));
         }
         clock.keeps_pace(t, came);
         if let (Some(before), Some(now), true) = (clock.other, other, goes_on) {
