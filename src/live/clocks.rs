@@ -197,7 +197,14 @@ impl<E> LiveClocks<E> {
         let step_s = self.clocks[sensor as usize].step_s;
         // One that is late is no beginning of those that are set.
         let most = if step_s > 0.0 { (NEAR_S + 3.0 * step_s).min(OFF_S) } else { OFF_S };
-        let agree = last.map(|last| (0.0..=most).contains(&raw.seconds_since(last)));
+        let after_s = last.map(|last| raw.seconds_since(last));
+        if self.clocks[sensor as usize].held >= ENOUGH[0]
+            && after_s.is_some_and(|s| (-OFF_S..0.0).contains(&s))
+        {
+            self.pass_over(sensor, 1, t);
+            return Vec::new();
+        }
+        let agree = after_s.map(|after_s| (0.0..=most).contains(&after_s));
         if agree == Some(false) {
             // Neither here nor there: two that are wrong, each in its own way.
             self.drop_held(sensor);
