@@ -72,7 +72,6 @@ pub fn save(
         .collect()
 }
 
-/// The plot on white paper.
 /// [`save`], where there is something to draw: no files of a figure that is [`FigureError::Empty`].
 ///
 /// # Errors
@@ -87,6 +86,7 @@ pub fn save_if_any(
     }
 }
 
+/// The plot on white paper.
 fn paint<DB: DrawingBackend>(plot: &impl Plot, back_end: DB) -> Result<(), FigureError> {
     style::prepare()?;
     let area = back_end.into_drawing_area();

@@ -9,6 +9,7 @@
 //! * `results`: every stage's results, read or made.
 //! * [`tables`]: every table, from rows; those that `dpn eval` prints too.
 //! * [`LogReport`]: a page of another kind, what logs say of their IMU (`dpn report`).
+//! * [`LoopPage`]: a closed loop's tables and figure (`dpn eval --closed-loop`).
 //! * `drawings`: the figures; `findings` and `page`: the page that tells the story, from `templates/`.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
@@ -23,6 +24,7 @@ mod id;
 mod injected;
 mod input;
 mod log_report;
+mod loop_page;
 mod motors;
 mod overall;
 mod page;
@@ -40,6 +42,7 @@ pub use error::PaperError;
 pub use id::id;
 pub use input::{CameraChoice, Input, Missing};
 pub use log_report::{FindingWords, LogReport, LogSection};
+pub use loop_page::{LoopPage, loop_curve};
 pub use paper::Paper;
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, StageReport};

@@ -11,7 +11,7 @@ use super::verdict::Verdict;
 use askama::Template;
 use dpn_eval::injected::Course;
 use dpn_eval::study::Study;
-use dpn_figures::{Cell, Line, Provenance, Table};
+use dpn_figures::{Line, Provenance, Table};
 use std::fmt::Write as _;
 
 /// A figure as it is put on the page.
@@ -63,11 +63,6 @@ impl Page<'_> {
     /// The figure of that name, where it was drawn.
     fn picture(&self, name: &str) -> Option<&Picture> {
         self.pictures.iter().find(|picture| picture.name == name)
-    }
-
-    /// What a cell of words stands for, where that is not what is shown.
-    fn spelt(cell: &Cell) -> Option<&str> {
-        Some(cell.full()).filter(|full| !full.is_empty() && *full != cell.shown())
     }
 
     /// The table of that name, where it was made.

@@ -21,6 +21,11 @@ impl Cell {
         Self { shown: shown.into(), full: full.to_string() }
     }
 
+    /// What a word stands for, where that is not what is shown.
+    pub fn spelt(&self) -> Option<&str> {
+        Some(self.full()).filter(|full| !full.is_empty() && *full != self.shown())
+    }
+
     /// Nothing: a dash for people, an empty field in CSV.
     pub fn none() -> Self {
         Self { shown: "-".into(), full: String::new() }

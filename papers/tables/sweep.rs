@@ -36,7 +36,7 @@ pub fn summaries(study: &Study) -> Table {
         "CPU s/s",
         "p95 [ms]",
     ];
-    let mut table = Table::new("summaries", "", Column::all(&["noise"], &heads));
+    let mut table = Table::new("summaries", "Over the sequences, by noise", Column::all(&["noise"], &heads));
     for line in &study.noises {
         table.row(vec![
             Cell::text(&line.noise),

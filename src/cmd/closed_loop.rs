@@ -10,8 +10,9 @@ use dpn_eval::closed_loop::{
     ClosedLoopError, Consistency, Experiment, Manifest, Row, Settings, Sweep, TrackCache, consistency,
 };
 use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
+use dpn_figures::{FigureError, Table, save};
 use dpn_io::{FolderLock, ResultPath, atomic_write, write_file};
-use dpn_papers::tables as table;
+use dpn_papers::{LoopPage, loop_curve, tables as table};
 use dpn_pronet::network::Network;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -106,6 +107,7 @@ pub(super) fn say(done: &LoopTables, json: bool) -> Result<()> {
     } else {
         out!("{}", done.text)?;
         outln!("\nrows: {}", done.out.join("rows.jsonl").display())?;
+        outln!("page: {}", done.out.join("closed_loop.html").display())?;
     }
     Ok(())
 }
@@ -115,24 +117,36 @@ pub(super) fn tables(out: ResultPath, rows: Vec<Row>) -> Result<LoopTables> {
     let reports = consistency(&out, &rows)?;
     let set = RowSet::new(&rows);
     let study = Study::new(&set, MARGIN).map_err(ClosedLoopError::from)?;
-    let text = printed(&set, &study, &reports);
+    let all = all_tables(&set, &study, &reports);
+    let text = printed(&all, &study);
     let json = serde_json::to_string(&StudyFile { consistency: &reports, rows: &rows, study: &study })?;
     atomic_write(out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
     write_file(out.join("closed_loop.txt"), &text)?;
+    let curve = match loop_curve(&study) {
+        Err(FigureError::Empty { .. }) => None,
+        curve => Some(curve?),
+    };
+    if let Some(curve) = &curve {
+        save(curve, out.join("closed_loop"))?;
+    }
+    let page = LoopPage::new(&study, &all, curve.as_ref(), concat!("dpn ", env!("CARGO_PKG_VERSION")))?;
+    write_file(out.join("closed_loop.html"), page.html()?)?;
     Ok(LoopTables { out, rows, text, json })
 }
 
+/// Errors by sequence and by noise; comparisons and consistency, where they could be made.
+fn all_tables(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> Vec<Table> {
+    let optional = [table::comparisons(study), table::consistency(reports)];
+    [table::ate(rows), table::summaries(study)].into_iter().chain(optional.into_iter().flatten()).collect()
+}
+
 /// The tables, an empty line between two.
-fn printed(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> String {
-    let mut parts = vec![table::ate(rows).console(), table::summaries(study).console()];
-    match table::comparisons(study) {
-        Some(table) => parts.push(table.console()),
-        None if study.reference.is_none() && study.noises.len() > 1 => parts.push(
-            "Nothing is compared: x1 was not run, and a constant is chosen only where there are both training and test sequences\n".into(),
-        ),
-        None => {}
+fn printed(tables: &[Table], study: &Study) -> String {
+    let mut parts: Vec<String> = tables.iter().map(Table::console).collect();
+    if study.reference.is_none() && study.noises.len() > 1 {
+        let why = "Nothing is compared: x1 was not run, and a constant is chosen only where there are both training and test sequences\n";
+        parts.insert(2, why.into());
     }
-    parts.extend(table::consistency(reports).map(|table| table.console()));
     parts.join("\n")
 }
 

@@ -56,7 +56,7 @@ fn rows_have_the_promised_keys_and_a_broken_off_sweep_goes_on_to_the_same_ones()
     }
     let left = files(&first);
     assert!(left.contains_key("trajectories/f07-room-medium.x4_x1.seed1.tum"), "{:?}", left.keys());
-    for name in ["run.json", "closed_loop.txt", "closed_loop.json"] {
+    for name in ["run.json", "closed_loop.txt", "closed_loop.json", "closed_loop.html"] {
         assert!(left.contains_key(name), "{name}");
     }
 

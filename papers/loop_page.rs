@@ -1,0 +1,65 @@
+//! A closed loop as a page and a figure: what `dpn eval --closed-loop` leaves beside its rows. One file without anything from elsewhere, in the style of the paper's page.
+
+use super::drawings;
+use super::forest::Forest;
+use super::page::Picture;
+use askama::Template;
+use dpn_eval::study::Study;
+use dpn_figures::{Chart, FigureError, Line, Table, svg};
+
+/// The page.
+#[derive(Debug, Template)]
+#[template(path = "loop.html")]
+pub struct LoopPage<'a> {
+    title: String,
+    forest: Option<Forest>,
+    tables: &'a [Table],
+    picture: Option<Picture>,
+    made_by: &'a str,
+}
+
+impl<'a> LoopPage<'a> {
+    /// Of the noises of `study`, with its `tables` and, where there is one, its [`curve`](loop_curve); `made_by` is the program and its version.
+    ///
+    /// # Errors
+    /// As [`svg`].
+    pub fn new(
+        study: &Study,
+        tables: &'a [Table],
+        curve: Option<&Chart>,
+        made_by: &'a str,
+    ) -> Result<Self, FigureError> {
+        let picture = |curve: &Chart| -> Result<Picture, FigureError> {
+            let svg = String::from_utf8_lossy(&svg(curve)?).into_owned();
+            let title = "Errors by what a noise says: constants as a curve, other noises as marks".to_owned();
+            Ok(Picture { name: "closed_loop", title, runs: Vec::new(), svg })
+        };
+        let title = match &study.noises[..] {
+            [only] => format!("The odometry with the noise {}", only.noise),
+            several => format!("The odometry with each of {} noises", several.len()),
+        };
+        Ok(Self {
+            title,
+            forest: Forest::of_course(study),
+            tables,
+            picture: curve.map(picture).transpose()?,
+            made_by,
+        })
+    }
+
+    /// The whole file.
+    ///
+    /// # Errors
+    /// None that is known of.
+    pub fn html(&self) -> Result<String, askama::Error> {
+        self.render()
+    }
+}
+
+/// Errors by what a noise says: a curve through the multiples of the baseline, the first five other noises as marks.
+///
+/// # Errors
+/// [`FigureError::Empty`] where no multiple was run.
+pub fn loop_curve(study: &Study) -> Result<Chart, FigureError> {
+    drawings::all(study)
+}
