@@ -19,6 +19,8 @@ pub(crate) struct Still {
     first: Option<ImuSample>,
     held: Vec<ImuSample>,
     stands: bool,
+    /// The first that says something else, while it stands still: one alone is a bad reading.
+    other: Option<ImuSample>,
     /// Those that are no numbers: how many, when the first came, and how many since the last that is.
     bad: usize,
     bad_from: Option<Stamp>,
@@ -40,11 +42,16 @@ impl Still {
     /// Takes a sample of numbers; those that may go on before it, and whether it may.
     pub(crate) fn take(&mut self, sample: ImuSample) -> (Vec<ImuSample>, bool) {
         (self.all, self.bad_since) = (self.all + 1, 0);
-        let Some(first) = self.first.filter(|first| (first.gyro, first.accel) == (sample.gyro, sample.accel))
-        else {
+        let says_the_same = |first: &ImuSample| (first.gyro, first.accel) == (sample.gyro, sample.accel);
+        let Some(first) = self.first.filter(says_the_same) else {
+            if self.stands && self.other.is_none() {
+                self.other = Some(sample);
+                return (Vec::new(), false);
+            }
             self.first = Some(sample);
             return (self.end(), true);
         };
+        self.other = None;
         self.held.push(sample);
         let for_s = sample.t.seconds_since(first.t);
         if self.stands || for_s >= STILL_S && self.held.len() >= FEWEST {
@@ -59,7 +66,7 @@ impl Still {
     /// What is held back, where it is no sensor that stopped.
     pub(crate) fn end(&mut self) -> Vec<ImuSample> {
         self.stands = false;
-        std::mem::take(&mut self.held)
+        self.other.take().into_iter().chain(std::mem::take(&mut self.held)).collect()
     }
 
     /// What keeps samples from the odometry now.
@@ -123,7 +130,10 @@ mod tests {
         let words = still.take_words().unwrap();
         assert!(words.starts_with("the IMU's values stand still since 2000000000 ns: "), "{words}");
         assert_eq!((still.take_words(), still.trouble()), (None, Some(words)));
-        assert_eq!(through(&mut still, [sample(6000, 1.0)]), [6000]);
+        // One that is wrong while it stands still does not end that.
+        assert_eq!(through(&mut still, [sample(6000, 99.0), sample(6005, 7.0)]), [0; 0]);
+        assert!(still.trouble().is_some());
+        assert_eq!(through(&mut still, [sample(6010, 1.0), sample(6015, 1.1)]), [6010, 6015]);
         assert_eq!((still.trouble(), still.end()), (None, vec![]));
         // Few samples are no sign of it.
         let slow = (0..4).map(|k| sample(7000 + 500 * k, 3.0));

@@ -63,6 +63,8 @@ struct Heard {
     last: Option<(Stamp, Instant)>,
     /// How far its stamps have come.
     newest: Option<Stamp>,
+    /// Its last stamp, where that is before the newest.
+    below: Option<Stamp>,
     /// For how long the other one has been heard alone, by its own stamps \[s\].
     alone_s: f64,
     /// Its silence was said.
@@ -191,15 +193,19 @@ impl<'a, L: Listener> Watched<'a, L> {
         self.now = Some(now);
         let own = &mut self.streams[sensor as usize];
         (own.last, own.alone_s) = (Some((t, now)), 0.0);
-        // One that is late by itself, or wrong, is no step of time.
+        // One that is late by itself, or wrong, is no step of time; those of a clock that was set back by little follow on each other.
+        let is_step = |step_s: &f64| (0.0..=SILENT.as_secs_f64()).contains(step_s);
         let step_s = own.newest.map_or(0.0, |newest| t.seconds_since(newest));
-        let goes_on = (0.0..=SILENT.as_secs_f64()).contains(&step_s);
-        if goes_on || step_s.abs() > SILENT.as_secs_f64() {
+        let is_below = (-SILENT.as_secs_f64()..0.0).contains(&step_s);
+        let from_below_s = own.below.map(|below| t.seconds_since(below));
+        let step_s = if is_below { from_below_s.filter(is_step) } else { Some(step_s).filter(is_step) };
+        own.below = is_below.then_some(t);
+        if !is_below {
             own.newest = Some(t);
         }
         let was_silent = std::mem::take(&mut own.silent);
         self.without.get_or_insert((t, now, false));
-        if goes_on {
+        if let Some(step_s) = step_s {
             self.streams[sensor.other() as usize].alone_s += step_s;
             self.without_s[sensor as usize] += step_s;
         }
