@@ -52,7 +52,7 @@ pub use flight::{Flight, Phase};
 pub use flight_sigma::flight_sigma;
 pub use flight_views::{timeline, top_view};
 pub use log_noise_plot::log_noise_plot;
-pub use plot::{Drawn, Plot, save, save_if_any, svg};
+pub use plot::{Drawn, Plot, if_any, save, save_if_any, svg};
 pub use provenance::Provenance;
 pub use rmse_vs_sigma::rmse_vs_sigma;
 pub use spectrogram::{spectra_by_motors, spectrogram};

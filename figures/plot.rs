@@ -72,6 +72,17 @@ pub fn save(
         .collect()
 }
 
+/// The plot, where there is something to draw.
+///
+/// # Errors
+/// Any fault but [`FigureError::Empty`].
+pub fn if_any<P>(plot: Result<P, FigureError>) -> Result<Option<P>, FigureError> {
+    match plot {
+        Err(FigureError::Empty { .. }) => Ok(None),
+        plot => plot.map(Some),
+    }
+}
+
 /// [`save`], where there is something to draw: no files of a figure that is [`FigureError::Empty`].
 ///
 /// # Errors
@@ -80,10 +91,7 @@ pub fn save_if_any(
     plot: Result<impl Plot, FigureError>,
     path_without_extension: impl Into<ResultPath>,
 ) -> Result<Vec<ResultPath>, FigureError> {
-    match plot {
-        Err(FigureError::Empty { .. }) => Ok(Vec::new()),
-        plot => save(&plot?, path_without_extension),
-    }
+    if_any(plot)?.map_or_else(|| Ok(Vec::new()), |plot| save(&plot, path_without_extension))
 }
 
 /// The plot on white paper.

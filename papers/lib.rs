@@ -38,11 +38,12 @@ pub mod tables;
 mod verdict;
 
 pub use asked::{Opened, PaperPlan};
+pub use drawings::loop_curve;
 pub use error::PaperError;
 pub use id::id;
 pub use input::{CameraChoice, Input, Missing};
 pub use log_report::{FindingWords, LogReport, LogSection};
-pub use loop_page::{LoopPage, loop_curve};
+pub use loop_page::LoopPage;
 pub use paper::Paper;
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, StageReport};

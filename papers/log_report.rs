@@ -2,7 +2,7 @@
 
 use super::page::Picture;
 use askama::Template;
-use dpn_figures::{FigureError, Plot, svg};
+use dpn_figures::{FigureError, Plot};
 
 /// A finding, in words.
 #[derive(Debug, Clone)]
@@ -42,10 +42,9 @@ impl LogSection {
     /// Adds a figure.
     ///
     /// # Errors
-    /// As [`svg`].
+    /// As [`svg`](dpn_figures::svg).
     pub fn draw(&mut self, title: &str, plot: &impl Plot) -> Result<(), FigureError> {
-        let svg = String::from_utf8_lossy(&svg(plot)?).into_owned();
-        self.pictures.push(Picture { name: "", title: title.to_owned(), runs: Vec::new(), svg });
+        self.pictures.push(Picture::drawn("", title, plot)?);
         Ok(())
     }
 }

@@ -1,11 +1,10 @@
 //! A closed loop as a page and a figure: what `dpn eval --closed-loop` leaves beside its rows. One file without anything from elsewhere, in the style of the paper's page.
 
-use super::drawings;
 use super::forest::Forest;
 use super::page::Picture;
 use askama::Template;
 use dpn_eval::study::Study;
-use dpn_figures::{Chart, FigureError, Line, Table, svg};
+use dpn_figures::{Chart, FigureError, Line, Table};
 
 /// The page.
 #[derive(Debug, Template)]
@@ -19,20 +18,22 @@ pub struct LoopPage<'a> {
 }
 
 impl<'a> LoopPage<'a> {
-    /// Of the noises of `study`, with its `tables` and, where there is one, its [`curve`](loop_curve); `made_by` is the program and its version.
+    /// Of the noises of `study`, with its `tables` and, where there is one, its [`curve`](super::loop_curve); `made_by` is the program and its version.
     ///
     /// # Errors
-    /// As [`svg`].
+    /// As [`svg`](dpn_figures::svg).
     pub fn new(
         study: &Study,
         tables: &'a [Table],
         curve: Option<&Chart>,
         made_by: &'a str,
     ) -> Result<Self, FigureError> {
-        let picture = |curve: &Chart| -> Result<Picture, FigureError> {
-            let svg = String::from_utf8_lossy(&svg(curve)?).into_owned();
-            let title = "Errors by what a noise says: constants as a curve, other noises as marks".to_owned();
-            Ok(Picture { name: "closed_loop", title, runs: Vec::new(), svg })
+        let picture = |curve: &Chart| {
+            Picture::drawn(
+                "closed_loop",
+                "Errors by what a noise says: constants as a curve, other noises as marks",
+                curve,
+            )
         };
         let title = match &study.noises[..] {
             [only] => format!("The odometry with the noise {}", only.noise),
@@ -54,12 +55,4 @@ impl<'a> LoopPage<'a> {
     pub fn html(&self) -> Result<String, askama::Error> {
         self.render()
     }
-}
-
-/// Errors by what a noise says: a curve through the multiples of the baseline, the first five other noises as marks.
-///
-/// # Errors
-/// [`FigureError::Empty`] where no multiple was run.
-pub fn loop_curve(study: &Study) -> Result<Chart, FigureError> {
-    drawings::all(study)
 }

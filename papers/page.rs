@@ -11,7 +11,7 @@ use super::verdict::Verdict;
 use askama::Template;
 use dpn_eval::injected::Course;
 use dpn_eval::study::Study;
-use dpn_figures::{Line, Provenance, Table};
+use dpn_figures::{FigureError, Line, Plot, Provenance, Table, svg};
 use std::fmt::Write as _;
 
 /// A figure as it is put on the page.
@@ -24,6 +24,12 @@ pub(super) struct Picture {
 }
 
 impl Picture {
+    /// A plot, where no runs are named.
+    pub(super) fn drawn(name: &'static str, title: &str, plot: &impl Plot) -> Result<Self, FigureError> {
+        let svg = String::from_utf8_lossy(&svg(plot)?).into_owned();
+        Ok(Self { name, title: title.to_owned(), runs: Vec::new(), svg })
+    }
+
     /// The SVG as the address of an image.
     pub(super) fn address(&self) -> String {
         let mut out = String::with_capacity(self.svg.len() + self.svg.len() / 8);

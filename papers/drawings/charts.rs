@@ -73,8 +73,11 @@ fn curve(study: &Study, marks: &[NoiseSpec], caption: &str) -> Result<Chart, Fig
     sweep_curve(&constants, &marks, "ATE, median over sequences", caption)
 }
 
-/// The sweep of whatever was run, without a caption: as many other noises as marks as can be told apart.
-pub(crate) fn all(study: &Study) -> Result<Chart, FigureError> {
+/// Errors by what a noise says, of whatever was run: a curve through the multiples of the baseline, the first five other noises as marks.
+///
+/// # Errors
+/// [`FigureError::Empty`] where no multiple was run.
+pub fn loop_curve(study: &Study) -> Result<Chart, FigureError> {
     let others = study.noises.iter().filter(|line| line.noise.multiple().is_none() && line.ate.is_some());
     curve(study, &others.take(5).map(|line| line.noise.clone()).collect::<Vec<_>>(), "")
 }

@@ -5,5 +5,6 @@ mod charts;
 mod flights;
 
 pub(super) use architecture::{OdometryDrawing, WindowDrawing};
-pub(super) use charts::{all, has_curve, injected_sweep, rmse, sweep};
+pub use charts::loop_curve;
+pub(super) use charts::{has_curve, injected_sweep, rmse, sweep};
 pub(super) use flights::{errors, sigma_over_flight, step_response, trajectories};

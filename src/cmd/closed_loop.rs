@@ -1,7 +1,7 @@
 //! `dpn eval --closed-loop`.
 
 use super::cores::cores;
-use super::{cache, program, settings, shipped, stop};
+use super::{VERSION, cache, program, settings, shipped, stop};
 use crate::args::{CacheArgs, EvalArgs};
 use crate::ui::{Bar, errln, out, outln, warn};
 use anyhow::Result;
@@ -10,7 +10,7 @@ use dpn_eval::closed_loop::{
     ClosedLoopError, Consistency, Experiment, Manifest, Row, Settings, Sweep, TrackCache, consistency,
 };
 use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
-use dpn_figures::{FigureError, Table, save};
+use dpn_figures::{Table, if_any, save};
 use dpn_io::{FolderLock, ResultPath, atomic_write, write_file};
 use dpn_papers::{LoopPage, loop_curve, tables as table};
 use dpn_pronet::network::Network;
@@ -122,14 +122,11 @@ pub(super) fn tables(out: ResultPath, rows: Vec<Row>) -> Result<LoopTables> {
     let json = serde_json::to_string(&StudyFile { consistency: &reports, rows: &rows, study: &study })?;
     atomic_write(out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
     write_file(out.join("closed_loop.txt"), &text)?;
-    let curve = match loop_curve(&study) {
-        Err(FigureError::Empty { .. }) => None,
-        curve => Some(curve?),
-    };
+    let curve = if_any(loop_curve(&study))?;
     if let Some(curve) = &curve {
         save(curve, out.join("closed_loop"))?;
     }
-    let page = LoopPage::new(&study, &all, curve.as_ref(), concat!("dpn ", env!("CARGO_PKG_VERSION")))?;
+    let page = LoopPage::new(&study, &all, curve.as_ref(), VERSION)?;
     write_file(out.join("closed_loop.html"), page.html()?)?;
     Ok(LoopTables { out, rows, text, json })
 }

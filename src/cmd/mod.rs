@@ -52,7 +52,7 @@ mod truth;
 use crate::args::{Cli, Command};
 pub(crate) use program::code_is_in;
 pub(crate) use program::program;
-use program::program_of;
+use program::{VERSION, program_of};
 pub(crate) use shipped::networks as shipped;
 
 /// Runs what was typed.

@@ -12,15 +12,17 @@ pub(crate) fn code_is_in(file: PathBuf) {
     let _ = CODE.set(file);
 }
 
+/// What this is, without its checksum.
+pub(super) const VERSION: &str = concat!("dpn ", env!("CARGO_PKG_VERSION"));
+
 /// Version and checksum of this very program: another build may give other numbers.
 pub(crate) fn program() -> String {
-    let version = concat!("dpn ", env!("CARGO_PKG_VERSION"));
     let file = CODE.get().cloned().map_or_else(std::env::current_exe, Ok);
     let bytes = file.and_then(std::fs::read);
-    bytes.map_or_else(|_| version.to_owned(), |bytes| format!("{version} ({})", &of_bytes(&bytes)[..16]))
+    bytes.map_or_else(|_| VERSION.to_owned(), |bytes| format!("{VERSION} ({})", &of_bytes(&bytes)[..16]))
 }
 
 /// Another build of this version.
 pub(crate) fn program_of(sum: &str) -> String {
-    format!("{} ({sum})", concat!("dpn ", env!("CARGO_PKG_VERSION")))
+    format!("{VERSION} ({sum})")
 }

@@ -6,7 +6,7 @@ use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::Recorded;
 use dpn_figures::{
-    FigureError, Plot, allan_plot, log_noise_plot, spectra_by_motors, spectrogram, spectrum_plot,
+    FigureError, Plot, allan_plot, if_any, log_noise_plot, spectra_by_motors, spectrogram, spectrum_plot,
 };
 use dpn_io::noise_formats::{Format, Written};
 use dpn_io::{printable, write_file};
@@ -108,9 +108,5 @@ fn section(args: &ReportArgs, path: &Path, networks: &[Network]) -> Result<LogSe
 
 /// A figure, where there is something to draw.
 fn draw<P: Plot>(page: &mut LogSection, title: &str, plot: Result<P, FigureError>) -> Result<()> {
-    match plot {
-        Ok(plot) => Ok(page.draw(title, &plot)?),
-        Err(FigureError::Empty { .. }) => Ok(()),
-        Err(error) => Err(error.into()),
-    }
+    Ok(if_any(plot)?.map_or(Ok(()), |plot| page.draw(title, &plot))?)
 }

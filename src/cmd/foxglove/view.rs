@@ -5,6 +5,7 @@
 //! has [`BEHIND`] bytes that it has not taken; what does not fit is dropped. Both are counted. Without viewers nothing but the way is kept.
 //! Nothing that a viewer sends changes a run. Whoever reaches the address may look, pages of a browser on this machine too.
 
+use super::super::VERSION;
 use super::messages::{Onlooker, Topic, image, is_due, of_update, path, sigma, tracks};
 use crate::ui::{Fault, errln};
 use anyhow::Result;
@@ -294,7 +295,7 @@ impl Viewer {
             Err(_) => State::Gone,
         };
         if matches!(self.state, State::Open(_)) {
-            let name = concat!("dpn ", env!("CARGO_PKG_VERSION"));
+            let name = VERSION;
             self.send(Message::text(
                 json!({ "op": "serverInfo", "name": name, "capabilities": [] }).to_string(),
             ));
