@@ -38,7 +38,7 @@ async function readStudy(list) {
         const read = JSON.parse(await file.text());
         if (Array.isArray(read.platforms) && Array.isArray(read.noises)) study.fleets.push(read);
         else if (read.study && Array.isArray(read.study.noises)) study.tables.push(summary(read.study, run));
-      } else if (/\.csv$/.test(file.name) && file.size < 2e6) study.tables.push({ name: file.name, ...parsedCsv(await file.text()) });
+      } else if (/\.csv$/.test(file.name) && file.size < 2e6) study.tables.push({ name: [run, file.name].filter(Boolean).join("/"), ...parsedCsv(await file.text()) });
     } catch (error) { unread.push(`${file.name}: ${error.message}`); }
   }
   const out = unread.length ? [el("p", { class: "weight bad" }, `Not read: ${unread.join("; ")}`)] : [];
@@ -47,7 +47,7 @@ async function readStudy(list) {
   if (study.runs.size) out.push(cells());
   for (const t of study.tables) {
     const number = (cell) => (cell !== "" && Number.isFinite(Number(cell)) ? short(Number(cell)) : cell);
-    out.push(el("h2", {}, t.notes[0] || t.name), table(t.name, t.head, t.rows.map((row) => row.map((cell, i) => (i ? number(cell) : cell))), t.name.replace(/\.csv$/, "")), ...t.notes.slice(1).map((note) => el("p", { class: "quiet" }, note)));
+    out.push(el("h2", {}, t.notes[0] || t.name), table(t.name, t.head, t.rows.map((row) => row.map((cell, i) => (i ? number(cell) : cell))), t.name.replace(/\.csv$/, "").replaceAll("/", "-")), ...t.notes.slice(1).map((note) => el("p", { class: "quiet" }, note)));
   }
   $("study-out").replaceChildren(...out);
 }
