@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// What networks can be written as.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ExportWhat {
-    /// ONNX models: windows in SI units in, deviations out; ONNX Runtime, tract and others run them.
+    /// ONNX models: windows in SI units in, deviations out; ONNX Runtime and others run them.
     #[command(after_help = examples::ONNX)]
     Onnx(OnnxArgs),
 }

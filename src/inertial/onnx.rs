@@ -71,7 +71,7 @@ mod tests {
     use nalgebra::DMatrix;
     use rand::Rng;
 
-    /// tract and ONNX Runtime are held to [`Convolutions`]; here those are held to the network.
+    /// ONNX Runtime is held to [`Convolutions`]; here those are held to the network.
     #[test]
     fn the_layers_that_are_exported_are_the_networks() {
         let course =

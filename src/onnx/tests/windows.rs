@@ -21,11 +21,3 @@ pub(crate) fn real(sensor: Sensor, len: usize) -> Vec<f32> {
     assert!(windows.len() >= 12 * len, "{}", windows.len());
     windows
 }
-
-/// Asserts that `found` is `expected` to 1e-5, relative to it.
-pub(crate) fn same(found: &[f32], expected: &[f32], what: &str) {
-    assert_eq!(found.len(), expected.len(), "{what}");
-    for (i, (f, e)) in found.iter().zip(expected).enumerate() {
-        assert!((f - e).abs() <= 1e-5 * e.abs(), "{what}: window {i}: {f} where {e} is expected");
-    }
-}
