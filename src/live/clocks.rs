@@ -195,8 +195,16 @@ impl<E> LiveClocks<E> {
         }
         let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
         let step_s = self.clocks[sensor as usize].step_s;
-        // One that is late is no beginning of those that are set.
-        let most = if step_s > 0.0 { (NEAR_S + 3.0 * step_s).min(OFF_S) } else { OFF_S };
+        // One that is late is no beginning of those that are set, but where the next one is a step behind it.
+        let most = if self.clocks[sensor as usize].held == 1
+            && last.is_some_and(|last| self.is_late(sensor, last))
+        {
+            1.5 * step_s
+        } else if step_s > 0.0 {
+            (NEAR_S + 3.0 * step_s).min(OFF_S)
+        } else {
+            OFF_S
+        };
         let after_s = last.map(|last| raw.seconds_since(last));
         if self.clocks[sensor as usize].held >= ENOUGH[0]
             && after_s.is_some_and(|s| (-OFF_S..0.0).contains(&s))
@@ -580,17 +588,30 @@ impl<E> LiveClocks<E> {
         }
     }
 
+    /// Whether a stamp, as it was stamped, is little before its sensor's last one.
+    fn is_late(&self, sensor: LiveSensor, raw: Stamp) -> bool {
+        self.last(sensor)
+            .is_some_and(|last| (-OFF_S..0.0).contains(&self.common(sensor, raw).seconds_since(last)))
+    }
+
     /// Passes over what is held back of a sensor.
     fn drop_held(&mut self, sensor: LiveSensor) {
         let clock = &mut self.clocks[sensor as usize];
         let count = std::mem::take(&mut clock.held);
         clock.since = 0;
-        clock.dropped += count;
         if count == 0 {
             return;
         }
         if let Some(first) = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw) {
-            self.pass_over(sensor, count, self.common(sensor, first));
+            let t = self.common(sensor, first);
+            let is_late = count == 1 && self.is_late(sensor, first);
+            let clock = &mut self.clocks[sensor as usize];
+            match clock.last {
+                // It was missing in the last step, which was no step then, and nothing is missing since.
+                Some(last) if is_late => clock.step_s = clock.step_s.min(last.seconds_since(t)),
+                _ => clock.dropped += count,
+            }
+            self.pass_over(sensor, count, t);
         }
         self.held.retain(|held| held.sensor != sensor);
     }
@@ -807,6 +828,23 @@ mod tests {
         let [before, after] = [1_002_000_000_000, 1_005_000_000_000].map(Stamp::from_ns);
         assert_eq!(clocks.on_imu_clock(before), before);
         assert_eq!(clocks.on_imu_clock(after), Stamp::from_ns(after.ns() + HOUR));
+    }
+
+    /// The late one was missing in the step before, which is then no step, and nothing is missing since.
+    #[test]
+    fn a_clock_that_is_set_behind_a_late_message_is_set_back_by_as_much() {
+        for by in [480_000_000, 300_000_000, -300_000_000] {
+            let mut all = streams(6);
+            let images: Vec<usize> =
+                (0..all.len()).filter(|i| all[*i].0 == Camera && all[*i].1 > 1_003_000_000_000).collect();
+            all.iter_mut().skip(images[2]).filter(|(of, ..)| *of == Camera).for_each(|(_, t, _)| *t += by);
+            let late = all.remove(images[0]);
+            // Behind the next one.
+            all.insert(images[1], late);
+            let (out, said) = through(&all);
+            assert_eq!(out.len(), all.len() - 1, "{by}: {said:?}");
+            assert!(out.iter().all(|(_, t, truth)| t == truth), "{by}: {said:?}");
+        }
     }
 
     /// Times that come through after second 5, off by what is true.
