@@ -182,8 +182,7 @@ impl<E> LiveClocks<E> {
     ) -> Vec<(LiveSensor, Stamp, E)> {
         self.stands(sensor, raw);
         let t = self.common(sensor, raw);
-        if self.follows(sensor, t) && !self.comes_early(sensor, t, came) && !self.goes_with_held(sensor, raw)
-        {
+        if self.follows(sensor, t, came) && !self.goes_with_held(sensor, raw) {
             let mut ready = self.overtaken(sensor, t);
             let other = self.last(sensor.other());
             if self.ahead[sensor as usize].is_none() && self.runs_ahead(sensor, t) {
@@ -258,7 +257,7 @@ impl<E> LiveClocks<E> {
     /// What a sensor's message of time `t` says of one that runs ahead: it goes on where this one is not before it.
     fn overtaken(&mut self, sensor: LiveSensor, t: Stamp) -> Vec<(LiveSensor, Stamp, E)> {
         let Some(mut ahead) = self.ahead[sensor as usize].take() else { return Vec::new() };
-        let still_follows = self.follows(sensor, ahead.t);
+        let still_follows = self.follows(sensor, ahead.t, ahead.came);
         if still_follows && t >= ahead.t {
             return self.goes_on(sensor, ahead.t, (ahead.other, ahead.came), ahead.message);
         }
@@ -345,18 +344,18 @@ impl<E> LiveClocks<E> {
         self.clocks[sensor as usize].usual_off_s.map_or(OFF_S, |usual| (NEAR_S + 2.0 * usual).min(OFF_S))
     }
 
-    fn follows(&self, sensor: LiveSensor, t: Stamp) -> bool {
-        let (Some(last), most) = (self.last(sensor), self.most_off_s(sensor)) else { return false };
+    /// Whether a stamp goes on from its sensor's last one, as the other's did or as time did, and does not run ahead of the time that went by until its message came.
+    fn follows(&self, sensor: LiveSensor, t: Stamp, came: Option<Instant>) -> bool {
+        let (clock, most) = (&self.clocks[sensor as usize], self.most_off_s(sensor));
+        let Some(last) = clock.last else { return false };
         let step_s = t.seconds_since(last);
-        (0.0..=most).contains(&step_s)
-            || step_s > 0.0 && self.off_s(sensor, t).is_some_and(|off| off.abs() <= most)
-    }
-
-    /// Whether a stamp jumped ahead of the time that went by until its message came; unknown is no.
-    fn comes_early(&self, sensor: LiveSensor, t: Stamp, came: Option<Instant>) -> bool {
-        let clock = &self.clocks[sensor as usize];
         let late_s = clock.late_s(t, came).filter(|_| clock.is_timely);
-        late_s.is_some_and(|late_s| -late_s > NEAR_S + 2.0 * clock.usual_late_s)
+        let most_late_s = NEAR_S + 2.0 * clock.usual_late_s;
+        let goes_on = (0.0..=most).contains(&step_s)
+            || step_s > 0.0
+                && (self.off_s(sensor, t).is_some_and(|off| off.abs() <= most)
+                    || late_s.is_some_and(|late_s| late_s.abs() <= most_late_s));
+        goes_on && late_s.is_none_or(|late_s| -late_s <= most_late_s)
     }
 
     /// Whether a stamp goes on from several that are held back, as its sensor's stamps do.
@@ -387,7 +386,7 @@ impl<E> LiveClocks<E> {
         }
         clock.since += 1;
         let t = self.common(other, first);
-        if self.follows(other, t) && !self.comes_early(other, t, came) {
+        if self.follows(other, t, came) {
             // The other one has come so far: there was nothing wrong.
             ready.extend(self.release(Some(other)));
             return ready;
@@ -653,6 +652,7 @@ mod tests {
     use super::*;
     use dpn_core::random::Stream;
     use rand::Rng as _;
+    use std::time::Duration;
 
     /// 200 Hz and 20 Hz for so many seconds, as they are recorded; the time that is true is the message.
     fn streams(seconds: i64) -> Vec<(LiveSensor, i64, i64)> {
@@ -669,10 +669,25 @@ mod tests {
 
     /// What comes through, and what is said.
     fn through(messages: &[(LiveSensor, i64, i64)]) -> (Vec<(LiveSensor, i64, i64)>, Vec<String>) {
+        passed(messages, |_| None)
+    }
+
+    /// The same where every message comes at its true time.
+    fn live(messages: &[(LiveSensor, i64, i64)]) -> (Vec<(LiveSensor, i64, i64)>, Vec<String>) {
+        let begun = Instant::now();
+        passed(messages, |truth| {
+            Some(begun + Duration::from_nanos((truth - 1_000_000_000_000).unsigned_abs()))
+        })
+    }
+
+    fn passed(
+        messages: &[(LiveSensor, i64, i64)],
+        came: impl Fn(i64) -> Option<Instant>,
+    ) -> (Vec<(LiveSensor, i64, i64)>, Vec<String>) {
         let mut clocks = LiveClocks::default();
         let mut out = Vec::new();
         for &(sensor, raw, truth) in messages {
-            let ready = clocks.take(sensor, Stamp::from_ns(raw), None, truth);
+            let ready = clocks.take(sensor, Stamp::from_ns(raw), came(truth), truth);
             out.extend(ready.into_iter().map(|(sensor, t, truth)| (sensor, t.ns(), truth)));
         }
         clocks.end();
@@ -844,6 +859,24 @@ mod tests {
             let (out, said) = through(&all);
             assert_eq!(out.len(), all.len() - 1, "{by}: {said:?}");
             assert!(out.iter().all(|(_, t, truth)| t == truth), "{by}: {said:?}");
+        }
+    }
+
+    /// It comes when its stamps say: it was not set, the other one was.
+    #[test]
+    fn a_sensor_that_was_silent_while_the_others_clock_was_set_goes_on_as_it_is() {
+        for (silent, by) in [(Imu, 560_000_000), (Camera, 560_000_000), (Imu, -560_000_000)] {
+            let mut all = streams(9);
+            all.retain(|(of, t, _)| *of != silent || !(1_003_000_000_000..1_006_600_000_000).contains(t));
+            all.iter_mut()
+                .filter(|(of, t, _)| *of != silent && *t > 1_006_000_000_000)
+                .for_each(|(_, t, _)| *t += by);
+            let (out, said) = live(&all);
+            assert!(
+                out.iter().all(|(_, t, truth)| (t - truth).abs() < 60_000_000),
+                "{silent:?} {by}: {said:?}"
+            );
+            assert_eq!(said.len(), 1, "{silent:?} {by}: {said:?}");
         }
     }
 
