@@ -35,6 +35,8 @@ const BEFORE: [usize; 2] = [3, 1];
 const ALONE_S: f64 = 2.0;
 /// Less than this \[ns\] is how messages come, and no clock that was set.
 const APART_NS: i64 = 1_000_000;
+/// What the odometry finds a clock to be off by itself \[s\].
+const FOUND_S: f64 = 0.25;
 /// So many times is said that messages were passed over.
 const SHOWN: usize = 8;
 /// Stamps of one sensor that are the same, one after another, before it is said.
@@ -355,7 +357,10 @@ impl<E> LiveClocks<E> {
             || step_s > 0.0
                 && (self.off_s(sensor, t).is_some_and(|off| off.abs() <= most)
                     || late_s.is_some_and(|late_s| late_s.abs() <= most_late_s));
-        goes_on && late_s.is_none_or(|late_s| -late_s <= most_late_s)
+        // A sample behind a gap that took longer than it says: the IMU was silent and its clock was set back, or it is caught up with.
+        let is_gap = sensor == LiveSensor::Imu && step_s > 3.0 * clock.step_s;
+        let most_behind_s = if is_gap { most_late_s.max(FOUND_S) } else { f64::INFINITY };
+        goes_on && late_s.is_none_or(|late_s| (-most_late_s..=most_behind_s).contains(&late_s))
     }
 
     /// Whether a stamp goes on from several that are held back, as its sensor's stamps do.
@@ -878,6 +883,19 @@ mod tests {
             );
             assert_eq!(said.len(), 1, "{silent:?} {by}: {said:?}");
         }
+    }
+
+    /// Less than a second is left of the gap, as if some samples were lost.
+    #[test]
+    fn an_imu_whose_clock_is_set_back_while_it_is_silent_is_set_back() {
+        let mut all = streams(9);
+        all.retain(|(of, t, _)| *of == Camera || !(1_003_000_000_000..1_004_100_000_000).contains(t));
+        all.iter_mut()
+            .filter(|(of, t, _)| *of == Imu && *t > 1_004_000_000_000)
+            .for_each(|(_, t, _)| *t -= 850_000_000);
+        let (out, said) = live(&all);
+        assert!(out.iter().all(|(_, t, truth)| (t - truth).abs() < 60_000_000), "{said:?}");
+        assert!(said.len() == 1 && said[0].starts_with("the IMU's clock was set 0.8"), "{said:?}");
     }
 
     /// Times that come through after second 5, off by what is true.
