@@ -512,14 +512,16 @@ fn rates() -> String {
             let one = |name: &&str| {
                 let sequences = data["sequences"].as_array().unwrap().iter();
                 let score = |sequence: &Value| {
-                    let score = &named(&sequence["sources"], "name", name)["score"];
+                    let mut sources = sequence["sources"].as_array().unwrap().iter();
+                    let score = &sources.find(|source| source["name"] == **name)?["score"];
                     // Over a second, as the papers' relative error.
                     let turns = score["turns"].as_array().unwrap();
                     score[key].as_f64().or_else(|| turns.iter().find(|t| t["span_s"] == 1.0)?[key].as_f64())
                 };
-                format!("{:.2}", of(&sequences.map(|sequence| score(sequence).unwrap()).collect::<Vec<_>>()))
+                Some(format!("{:.2}", of(&sequences.map(score).collect::<Option<Vec<_>>>()?)))
             };
-            ends.iter().map(one).collect::<Vec<_>>().join(", ")
+            // Where training did not choose gravity there is no such row.
+            ends.iter().map(one).collect::<Option<Vec<_>>>().map_or("-".to_owned(), |all| all.join(", "))
         };
         let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         [

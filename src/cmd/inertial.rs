@@ -11,7 +11,7 @@ use dpn_eval::noise::Causal;
 use dpn_figures::{Cell, Column, Table, TurnErrors, save, turn_errors};
 use dpn_inertial::{
     Course, Fitted, InertialConfig, Levels, Model, Residuals, SPANS_S, Said, Score, Source, SpanScore,
-    TURNS_S, Training, Turn, Unknown, fit, same_rate, sources,
+    TURNS_S, Training, Turn, Unknown, chosen_speed, fit, same_rate, sources,
 };
 use dpn_io::asl::{ImuConfig, Sequence};
 use dpn_io::{FolderLock, atomic_write, config, read_poses};
@@ -79,7 +79,7 @@ pub(super) fn train(args: &TrainArgs) -> Result<()> {
     let last = &history[history.len().saturating_sub(EVERY as usize)..];
     let loss = last.iter().sum::<f64>() / last.len() as f64;
     let summary = json!({
-        "config": config, "affine": training.affine(), "loss": loss,
+        "config": training.config(), "affine": training.affine(), "loss": loss,
         "data": courses.iter().map(|c| json!({ "name": c.name, "sha256": c.checksum })).collect::<Vec<_>>(),
     });
     let text = serde_json::to_string_pretty(&summary)? + "\n";
@@ -92,7 +92,7 @@ pub(super) fn train(args: &TrainArgs) -> Result<()> {
 }
 
 pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
-    let config: InertialConfig = config::load(path)?;
+    let mut config: InertialConfig = config::load(path)?;
     if config.test.is_empty() {
         return Err(Fault::new(format!("{}: `test` names no sequence", path.display()))
             .hint("name some")
@@ -119,8 +119,9 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
             );
         }
     }
-    let affine = fit(&train.iter().map(|(course, _)| course).collect::<Vec<_>>(), Unknown::All);
-    let affine = affine.context("no span with a true turn")?;
+    let known: Vec<&Course> = train.iter().map(|(course, _)| course).collect();
+    let affine = fit(&known, Unknown::All).context("no span with a true turn")?;
+    config.speed = config.speed.or_else(|| Some(chosen_speed(&known)));
     let networks = shipped::networks()?;
     let specs = specs(&train[0].0, &networks)?;
     let residuals = |(course, data_sheet): &(Course, Option<Levels>)| -> Result<Residuals> {
@@ -143,7 +144,7 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
         })
     };
     let rows = test.iter().map(row).collect::<Result<Vec<_>>>()?;
-    let all = json!({ "data": config.name, "affine": affine, "sequences": rows });
+    let all = json!({ "data": config.name, "speed": config.speed, "affine": affine, "sequences": rows });
     let out = &args.out.clone().unwrap_or_else(|| format!("runs/inertial-{}", config.name).into());
     let text = format!("{all}\n");
     atomic_write(out.join("inertial.json"), |file| file.write_all(text.as_bytes()))?;
@@ -189,8 +190,12 @@ fn said(course: &Course, data_sheet: Option<Levels>, specs: &[Causal<'_>]) -> Re
 fn turns(rows: &[Row]) -> Vec<TurnErrors> {
     let sources = || rows[0].sources.iter().enumerate();
     let is_one = |source: &Source| source.name.starts_with("network ");
-    let is_end = |source: &Source| is_one(source) && !source.name.ends_with(" averaged");
-    let first: Vec<usize> = sources().filter(|(_, source)| is_end(source)).map(|(i, _)| i).take(2).collect();
+    let plain = sources().find(|(_, source)| is_one(source));
+    let taken = plain.and_then(|(_, first)| {
+        let more = format!("{} averaged", first.name);
+        sources().rfind(|(_, source)| source.name.starts_with(&more))
+    });
+    let first: Vec<usize> = plain.into_iter().chain(taken).map(|(i, _)| i).collect();
     let drawn =
         sources().filter(|(i, source)| source.name != "raw" && (!is_one(source) || first.contains(i)));
     let one = |(i, source): (usize, &Source)| {

@@ -1,6 +1,6 @@
 //! A gyroscope's matrix and bias against true turns, by robust least squares: `rate = matrix * reading + bias`.
 //!
-//! Over spans of samples the readings' product of increments is held against the true turn, `r = Log(turn^-1 prod Exp(rate_i dt_i))`. Gauss-Newton, a residual
+//! Over spans of samples the readings' product of increments is held against the true turn, `r = Log(turn^-1 prod Exp(rate_i dt_i))`, with the reading in the middle of each step. Gauss-Newton, a residual
 //! beyond twice its recording's median one pulls as if it were there (Huber). Deviations are a jackknife's over recordings, over parts of them where there are few: residuals are not
 //! independent, for a bias lasts.
 
@@ -195,7 +195,7 @@ fn term(
     let mut product = UnitQuaternion::identity();
     let mut by = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     for i in from..from + SPAN {
-        let (reading, step) = (course.gyro[i], course.step_s[i]);
+        let (reading, step) = (course.middle(i), course.step_s[i]);
         let angle = affine.apply(&reading) * step;
         let increment = so3::exp(&angle);
         let back = increment.inverse().to_rotation_matrix();

@@ -31,14 +31,14 @@ pub struct InertialConfig {
     pub spans: Vec<usize>,
     /// Where the loss turns from squares to distances \[rad\]. Default .005.
     pub huber_rad: f64,
-    /// Deviation of white noise on what the network sees, gyroscope \[rad/s\] and accelerometer \[m/s^2\]. Default 8e-5, .001.
+    /// Deviation of white noise on what the network sees, gyroscope \[rad/s\] and accelerometer \[m/s^2\]: more than any sensor's, so that little is learned by heart. Default .02, .2, chosen as `steps` was.
     pub noise: [f64; 2],
     /// Half the range of a bias on readings, one a window, gyroscope and accelerometer. Default .001, .001.
     pub bias: [f64; 2],
     /// The correction is averaged over so many seconds of past where it is scored. Default 20, chosen in the same way.
     pub average_s: f64,
-    /// Deviation of the body's velocity \[m/s\], by which gravity tells the bias across it; 0: gravity is not asked. Default .5, chosen on EuRoC and raw TUM-VI in the same way: more where a body stays faster (a car).
-    pub speed: f64,
+    /// Deviation of the body's velocity \[m/s\], by which gravity tells the bias across it; 0: gravity is not asked. Where it is not given, leaving out the recordings of `train` one by one chooses it.
+    pub speed: Option<f64>,
 }
 
 impl Default for InertialConfig {
@@ -56,10 +56,10 @@ impl Default for InertialConfig {
             ema: 0.995,
             spans: vec![32, 512],
             huber_rad: 0.005,
-            noise: [8e-5, 1e-3],
+            noise: [0.02, 0.2],
             bias: [1e-3, 1e-3],
             average_s: 20.0,
-            speed: 0.5,
+            speed: None,
         }
     }
 }
@@ -96,7 +96,7 @@ impl Validate for InertialConfig {
             values.into_iter().for_each(|value| faults.not_negative(key, value));
         }
         faults.not_negative("average_s", self.average_s);
-        faults.not_negative("speed", self.speed);
+        faults.not_negative("speed", self.speed.unwrap_or(0.0));
         faults.0
     }
 }

@@ -94,7 +94,7 @@ impl Gravity {
         self.covariance.diagonal().fixed_rows::<3>(6).map(f64::sqrt)
     }
 
-    /// A sample's calibrated rate, its specific force and the seconds that they hold for.
+    /// Calibrated rate and specific force in the middle of a step, and its seconds.
     pub(crate) fn push(&mut self, rate: &Vector3<f64>, force: &Vector3<f64>, seconds: f64) {
         if self.speed == 0.0 {
             return;
@@ -172,7 +172,11 @@ pub(crate) fn steadied(
     let mut gravity = Gravity::new(spread, speed);
     let one = |(i, rate): (usize, &Vector3<f64>)| {
         let told = [rate + gravity.bias(), gravity.bias(), gravity.deviation()];
-        course.step_s.get(i).into_iter().for_each(|step| gravity.push(rate, &course.accel[i], *step));
+        if let Some(step) = course.step_s.get(i) {
+            let middle = |here: &Vector3<f64>, next: &Vector3<f64>| 0.5 * (here + next);
+            let force = middle(&course.accel[i], &course.accel[i + 1]);
+            gravity.push(&middle(rate, &rates[i + 1]), &force, *step);
+        }
         told
     };
     rates.iter().enumerate().map(one).collect()

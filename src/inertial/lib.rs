@@ -5,7 +5,7 @@
 //! 3. `network`: a causal convolution over 2.5 s of six axes (at 200 Hz) that says what is to be added to the rate; forth and back.
 //! 4. `loss`: Huber's on products of increments over spans of samples, as a tree.
 //! 5. `training`, `model`: from courses and a configuration to a file; `running`: asked beside running samples; `onnx`: for other runtimes.
-//! 6. `gravity`: the bias that gravity tells beside it, where a body stays slow.
+//! 6. `gravity`: the bias that gravity tells beside it, where a body stays slow; `choice`: whether that helps, by leaving out recordings.
 //! 7. `score`, `spans`: the field's figures by the names of who defined them, and the likelihood of what is said of the errors.
 //!
 //! Rotations are `world_from_body`; rates are of the body, in its frame \[rad/s\]. No files here.
@@ -13,6 +13,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod affine;
+mod choice;
 mod config;
 mod course;
 mod gravity;
@@ -26,6 +27,7 @@ mod spans;
 mod training;
 
 pub use affine::{Affine, Fitted, Unknown, fit};
+pub use choice::chosen_speed;
 pub use config::InertialConfig;
 pub use course::{Course, CourseError};
 pub use model::Model;

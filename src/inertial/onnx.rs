@@ -4,6 +4,9 @@ use crate::model::{Model, UNIT, USE};
 use crate::network::{self, GELU};
 use dpn_onnx::{Convolution, Convolutions, Metadata};
 
+/// What an exported model lacks.
+const NO_GRAVITY: &str = "what gravity tells of the bias beside it is not in this file: dpn's C, C++ and Python interfaces say both";
+
 impl Model {
     /// The bytes of its ONNX model: the last 511 samples as the IMU gives them in, what is to be added to `matrix * reading` out. Its metadata say how it is to be used.
     ///
@@ -44,12 +47,12 @@ impl Model {
             unit: UNIT as f32,
             offset: single(card.affine.bias.as_slice()),
             summary: format!(
-                "Bias of a gyroscope [rad/s]: `matrix * reading + bias` is the rate. In go the last {} samples at {} Hz as this IMU gives them (rad/s, m/s^2). {USE}.",
+                "Bias of a gyroscope [rad/s]: `matrix * reading + bias` is the rate. In go the last {} samples at {} Hz as this IMU gives them (rad/s, m/s^2). {USE}. {NO_GRAVITY}.",
                 network::PAST,
                 card.rate.hz(),
             ),
             metadata: Metadata::from([
-                ("usage".to_owned(), card.usage.clone()),
+                ("usage".to_owned(), format!("{}; {NO_GRAVITY}", card.usage)),
                 ("rate_hz".to_owned(), card.rate.hz().to_string()),
                 ("window".to_owned(), network::PAST.to_string()),
                 ("average_s".to_owned(), card.config.average_s.to_string()),

@@ -53,7 +53,7 @@ impl Running {
     pub fn new(model: Model) -> Self {
         let average = Average::over((model.card.config.average_s * model.card.rate.hz()) as usize);
         let gate = Gate::new(model.card.rate);
-        let gravity = Gravity::new(&model.card.spread, model.card.config.speed);
+        let gravity = Gravity::new(&model.card.spread, model.card.config.speed.unwrap_or(0.0));
         let mut new = Self {
             model,
             gate,
@@ -84,10 +84,6 @@ impl Running {
         if before.is_some_and(is_hole) {
             self.begin();
         }
-        if let Some(before) = before {
-            let [rate, force] = &self.newest;
-            self.gravity.push(rate, force, sample.t.seconds_since(before));
-        }
         let axis = |i: usize| if i < 3 { sample.gyro[i] } else { sample.accel[i - 3] };
         let reading: Vec<f32> = (0..6).map(|i| self.model.seen(i, axis(i))).collect();
         if self.seen == 0 {
@@ -104,7 +100,12 @@ impl Running {
             self.average.push(self.answer);
         }
         let slow = self.average.mean();
-        self.newest = [self.model.card.affine.apply(&sample.gyro.into()) + slow, sample.accel.into()];
+        let newest = [self.model.card.affine.apply(&sample.gyro.into()) + slow, sample.accel.into()];
+        if let Some(before) = before {
+            let [rate, force] = [0, 1].map(|i| 0.5 * (self.newest[i] + newest[i]));
+            self.gravity.push(&rate, &force, sample.t.seconds_since(before));
+        }
+        self.newest = newest;
         if !is_a_bias {
             self.mean = None;
         } else if self.seen >= network::PAST {
@@ -216,7 +217,7 @@ mod tests {
         let mut rng = stream.named("last").rng();
         let last = parameters.len() - 387;
         parameters[last..].iter_mut().for_each(|p| *p = rng.random_range(-0.3..0.3));
-        let config = InertialConfig { average_s: 1.0, ..InertialConfig::default() };
+        let config = InertialConfig { average_s: 1.0, speed: Some(0.5), ..InertialConfig::default() };
         let fitted = fit(&[&course], Unknown::All).unwrap();
         let model = Model::new(&config, &fitted, std::slice::from_ref(&course), parameters);
         (course, model)

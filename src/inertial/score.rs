@@ -1,6 +1,6 @@
 //! The field's figures of a corrected gyroscope, by the names of who defined them.
 //!
-//! * `aoe_deg`, Brossard's and Debias_IMU's absolute orientation error: rates integrated from the first true rotation to the end, never corrected; the root of the mean square
+//! * `aoe_deg`, Brossard's and Debias_IMU's absolute orientation error: rates integrated from the first true rotation to the end (here by mid-points), never corrected; the root of the mean square
 //!   of the angle to the truth, over all samples.
 //! * `roe_deg`, AirIMU's relative orientation error: the mean angle after a span (theirs is a second), begun anew at the truth each time.
 //! * `quick_deg`, ours: the same after the course's own mean bias was taken out, which leaves what is quicker than a sequence.
@@ -78,19 +78,18 @@ pub struct SlowBias {
 pub fn sources(course: &Course, fitted: &Fitted, models: &[Model], config: &InertialConfig) -> Vec<Source> {
     let raw = &course.gyro;
     let calibrated: Vec<_> = raw.iter().map(|reading| fitted.affine.apply(reading)).collect();
-    let steady = |name: String, rates: &[Vector3<f64>]| {
-        let told = steadied(course, rates, &fitted.spread, config.speed);
-        let slow = (config.speed > 0.0).then(|| slow_bias(course, rates, &told, &fitted.spread)).flatten();
+    // None where gravity is not asked.
+    let steady = |name: String, rates: &[Vector3<f64>], speed: Option<f64>| {
+        let speed = speed.filter(|speed| *speed > 0.0)?;
+        let told = steadied(course, rates, &fitted.spread, speed);
+        let slow = slow_bias(course, rates, &told, &fitted.spread);
         let rates = told.iter().map(|[rate, ..]| *rate).collect::<Vec<_>>();
-        Source { name, score: score(course, &rates), slow }
+        Some(Source { name, score: score(course, &rates), slow })
     };
     let plain =
         |name: String, rates: &[Vector3<f64>]| Source { name, score: score(course, rates), slow: None };
-    let mut all = vec![
-        plain("raw".to_owned(), raw),
-        plain("affine".to_owned(), &calibrated),
-        steady("affine, gravity".to_owned(), &calibrated),
-    ];
+    let mut all = vec![plain("raw".to_owned(), raw), plain("affine".to_owned(), &calibrated)];
+    all.extend(steady("affine, gravity".to_owned(), &calibrated, config.speed));
     for model in models {
         let corrections = model.corrections(course);
         let base: Vec<_> = raw.iter().map(|reading| model.card.affine.apply(reading)).collect();
@@ -101,7 +100,7 @@ pub fn sources(course: &Course, fitted: &Fitted, models: &[Model], config: &Iner
         all.push(plain(format!("network {seed}"), &sum(&corrections)));
         let slow = sum(&averaged(&corrections, (config.average_s * course.rate.hz()) as usize));
         all.push(plain(format!("network {seed} averaged"), &slow));
-        all.push(steady(format!("network {seed} averaged, gravity"), &slow));
+        all.extend(steady(format!("network {seed} averaged, gravity"), &slow, model.card.config.speed));
     }
     let bias = own_bias(course, raw);
     let own: Vec<_> = raw.iter().map(|rate| rate + bias).collect();
@@ -162,12 +161,22 @@ fn running(course: &Course, rates: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     out
 }
 
-/// Rates integrated from the first sample to each.
-fn integrated(course: &Course, rates: &[Vector3<f64>]) -> Vec<UnitQuaternion<f64>> {
+/// Absolute orientation error \[deg\] of what rates have `turned` since the first sample, at each.
+pub(crate) fn absolute_error(course: &Course, turned: &[UnitQuaternion<f64>]) -> f64 {
+    let first = course.truth[0].expect("a course begins with a truth").rotation;
+    let off = |(truth, turned): (&Option<Isometry3<f64>>, &UnitQuaternion<f64>)| {
+        Some(so3::log(&((*truth)?.rotation.inverse() * first * turned)).norm_squared())
+    };
+    let squares: Vec<f64> = course.truth.iter().zip(turned).filter_map(off).collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt().to_degrees()
+}
+
+/// Rates integrated from the first sample to each, over a step the mean of the two at its ends.
+pub(crate) fn integrated(course: &Course, rates: &[Vector3<f64>]) -> Vec<UnitQuaternion<f64>> {
     let mut turned = vec![UnitQuaternion::identity()];
-    let steps = rates.iter().zip(&course.step_s);
-    turned.extend(steps.scan(UnitQuaternion::identity(), |turned, (rate, step)| {
-        *turned *= so3::exp(&(rate * *step));
+    let steps = rates.windows(2).zip(&course.step_s);
+    turned.extend(steps.scan(UnitQuaternion::identity(), |turned, (pair, step)| {
+        *turned *= so3::exp(&(0.5 * (pair[0] + pair[1]) * *step));
         Some(*turned)
     }));
     turned
@@ -176,11 +185,6 @@ fn integrated(course: &Course, rates: &[Vector3<f64>]) -> Vec<UnitQuaternion<f64
 /// What `rates` of `course`'s samples are worth.
 pub(crate) fn score(course: &Course, rates: &[Vector3<f64>]) -> Score {
     let turned = integrated(course, rates);
-    let first = course.truth[0].expect("a course begins with a truth").rotation;
-    let off = |(truth, turned): (&Option<Isometry3<f64>>, &UnitQuaternion<f64>)| {
-        Some(so3::log(&((*truth)?.rotation.inverse() * first * turned)).norm_squared())
-    };
-    let squares: Vec<f64> = course.truth.iter().zip(&turned).filter_map(off).collect();
     let bias = own_bias(course, rates);
     let without = integrated(course, &rates.iter().map(|rate| rate + bias).collect::<Vec<_>>());
     let turn = |span_s: f64| {
@@ -196,10 +200,7 @@ pub(crate) fn score(course: &Course, rates: &[Vector3<f64>]) -> Score {
         let [roe_deg, quick_deg] = sums.map(|sum| sum / count as f64);
         (count > 0).then_some(Turn { span_s, roe_deg, quick_deg })
     };
-    Score {
-        aoe_deg: (squares.iter().sum::<f64>() / squares.len() as f64).sqrt().to_degrees(),
-        turns: TURNS_S.into_iter().filter_map(turn).collect(),
-    }
+    Score { aoe_deg: absolute_error(course, &turned), turns: TURNS_S.into_iter().filter_map(turn).collect() }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! All that a step draws is a function of seed and step, so that a training that goes on from its state ends in the same bits.
 
 use crate::affine::{Fitted, Unknown, fit};
+use crate::choice::chosen_speed;
 use crate::config::InertialConfig;
 use crate::course::Course;
 use crate::loss::loss;
@@ -99,7 +100,7 @@ struct Notes {
 }
 
 impl<'a> Training<'a> {
-    /// Fits the affine start and draws the first weights.
+    /// Fits the affine start, chooses `speed` where it is not given and draws the first weights.
     ///
     /// # Errors
     /// Recordings of several rates, or too short ones.
@@ -109,7 +110,12 @@ impl<'a> Training<'a> {
         if courses.iter().all(|course| course.len() <= needed) {
             return Err(TrainingError::TooShort { needed });
         }
-        let affine = fit(&courses.iter().collect::<Vec<_>>(), Unknown::All).ok_or(TrainingError::NoSpan)?;
+        let all: Vec<&Course> = courses.iter().collect();
+        let affine = fit(&all, Unknown::All).ok_or(TrainingError::NoSpan)?;
+        let config = &InertialConfig {
+            speed: Some(config.speed.unwrap_or_else(|| chosen_speed(&all))),
+            ..config.clone()
+        };
         let parameters = network::initial(&Stream::new(config.seed).named("inertial"));
         let model = Model::new(config, &affine, courses, parameters);
         let decay = AdamConfig { weight_decay: config.weight_decay, ..AdamConfig::default() };
@@ -153,6 +159,11 @@ impl<'a> Training<'a> {
         };
         let notes = Notes { card: self.model.card.clone(), history: self.history.clone() };
         store::to_bytes(FORMAT, &notes, &all.map(named), Path::new("checkpoint"))
+    }
+
+    /// How it is trained, with the `speed` that was chosen.
+    pub fn config(&self) -> &InertialConfig {
+        &self.model.card.config
     }
 
     /// The affine start.
@@ -231,7 +242,7 @@ impl<'a> Training<'a> {
         let rates: Vec<Vector3<f64>> = (0..config.window)
             .map(|i| {
                 let correction = out.column(i / network::STRIDE).map(f64::from);
-                affine.apply(&(course.gyro[first + i] + gyro_bias)) + UNIT * correction.fixed_rows::<3>(0)
+                affine.apply(&(course.middle(first + i) + gyro_bias)) + UNIT * correction.fixed_rows::<3>(0)
             })
             .collect();
         let (loss, by_rate) = loss(course, first, &rates, &config.spans, config.huber_rad);

@@ -13,7 +13,7 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
     }
     let config = |name: &str, train: &str, test: &str| {
         let text = format!(
-            "name = \"sim\"\nsteps = 3\nbatch = 2\nwindow = 512\ntrain = [\"{train}\"]\ntest = [\"{test}\"]\n"
+            "name = \"sim\"\nspeed = 0.5\nsteps = 3\nbatch = 2\nwindow = 512\ntrain = [\"{train}\"]\ntest = [\"{test}\"]\n"
         );
         std::fs::write(dir.join(name), text).unwrap();
     };
@@ -37,6 +37,10 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
     );
     let model = std::fs::read(dir.join("onnx/inertial/sim-s0.onnx")).unwrap();
     assert!(String::from_utf8_lossy(&model).contains("never hand single corrected samples to an odometry"));
+    assert!(
+        String::from_utf8_lossy(&model)
+            .contains("what gravity tells of the bias beside it is not in this file")
+    );
     let none = call("export onnx --inertial sim.toml --out onnx");
     assert!(none.code == Some(2) && none.stderr.contains("sim.toml: no whole safetensors file"), "{none:?}");
 
