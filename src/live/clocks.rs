@@ -356,7 +356,7 @@ impl<E> LiveClocks<E> {
         let goes_on = (0.0..=most).contains(&step_s)
             || step_s > 0.0
                 && (self.off_s(sensor, t).is_some_and(|off| off.abs() <= most)
-                    || late_s.is_some_and(|late_s| late_s.abs() <= most_late_s));
+                    || late_s.is_some_and(|late_s| late_s.abs() <= NEAR_S));
         // A sample behind a gap that took longer than it says: the IMU was silent and its clock was set back, or it is caught up with.
         let is_gap = sensor == LiveSensor::Imu && step_s > 3.0 * clock.step_s;
         let most_behind_s = if is_gap { most_late_s.max(FOUND_S) } else { f64::INFINITY };
