@@ -10,6 +10,7 @@
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
 use super::jitter::jitter;
+use super::lag::lag;
 use super::turn_map::{Turn, TurnMap};
 use crate::clock::{FlowTurn, GyroCourse};
 use dpn_core::camera::CameraModel;
@@ -36,6 +37,8 @@ const MOUNTING_TOLERANCE: f64 = 0.08;
 const JITTER_S: f64 = 0.002;
 /// All that by so many deviations more.
 const SURE: f64 = 4.0;
+/// Turns that correlate by more are made at the same time.
+const SAME: f64 = 0.95;
 /// Another reading must lower the residual to this share of that of the calibration.
 const BETTER: f64 = 0.8;
 
@@ -72,6 +75,11 @@ pub enum AxesVerdict {
     /// They turn together, but for frames whose stamps are off, now early, now late.
     Jitter {
         /// The deviation of a stamp \[s\].
+        seconds: f64,
+    },
+    /// They make the same turns so far apart that the clock's offset is not looked for there.
+    Late {
+        /// By how much the camera is late \[s\]; early below zero.
         seconds: f64,
     },
     /// Camera and gyro do not turn together, however mounted: another recording's tracks, clocks apart, or tracks of nothing.
@@ -120,6 +128,12 @@ impl Axes {
             AxesVerdict::Jitter { seconds } => Some(format!(
                 "the images' stamps jitter: they are off by {:.1} ms now and then early and late, as the gyroscope tells from image to image; stamp images where they are exposed (a sensor's or a driver's own stamp, START_OF_FRAME and not arrival), or space them evenly where the camera's rate is steady",
                 1e3 * seconds
+            )),
+            AxesVerdict::Late { seconds } => Some(format!(
+                "the camera's stamps are about {:.2} s {} of the gyroscope's turns: `--time-offset {:.2}` puts them right to a frame or so, and a calibration with that offset (`timeshift_cam_imu`) lets the rest be found",
+                seconds.abs(),
+                if seconds > 0.0 { "late" } else { "ahead" },
+                -seconds
             )),
             AxesVerdict::Unrelated => Some(format!(
                 "camera and gyro do not turn together, however mounted: {seen}; are tracks and IMU of one recording and on one clock?"
@@ -175,7 +189,10 @@ pub(crate) fn compared(turns: &[Turn], body_from_cam: &UnitQuaternion<f64>) -> A
         (agreement(given.matrix()), agreement(rotation.matrix()), agreement(&reflected));
     let residual = |correlation: f64| (1.0 - correlation * correlation.abs()).max(0.0);
     let away = rotation * given.inverse();
-    let verdict = if mirrored > turned && residual(mirrored) < BETTER * residual(turned.max(correlation)) {
+    let late = if correlation < SAME { lag(all) } else { None };
+    let verdict = if let Some(seconds) = late {
+        AxesVerdict::Late { seconds }
+    } else if mirrored > turned && residual(mirrored) < BETTER * residual(turned.max(correlation)) {
         AxesVerdict::Mirrored
     } else if turned.max(mirrored) < 0.5 {
         AxesVerdict::Unrelated
@@ -393,8 +410,16 @@ mod tests {
     }
 
     #[test]
-    fn tracks_of_another_time_are_unrelated_and_a_body_at_rest_says_nothing() {
+    fn tracks_of_another_time_are_late_or_unrelated_and_a_body_at_rest_says_nothing() {
         let case = case();
+        for (late_s, samples) in [(0.4, &case.samples[80..]), (-1.0, &case.samples[..])] {
+            let early = if late_s < 0.0 { 200 } else { 0 };
+            let moved = samples.iter().zip(&case.samples[early..]);
+            let moved: Vec<_> = moved.map(|(other, s)| ImuSample { t: s.t, ..*other }).collect();
+            let judged = axes(&moved, &case.frames, &case.camera, &case.body_from_cam);
+            let AxesVerdict::Late { seconds } = judged.verdict else { panic!("{late_s}: {judged:?}") };
+            assert!((seconds - late_s).abs() < 0.03, "{late_s}: {seconds}");
+        }
         let moved = case.samples[4000..].iter().zip(&case.samples);
         let moved: Vec<_> = moved.map(|(later, s)| ImuSample { t: s.t, ..*later }).collect();
         let judged = axes(&moved, &case.frames, &case.camera, &case.body_from_cam);
