@@ -14,9 +14,9 @@ use super::scale_known::ScaleKnown;
 use super::sequence_fault::SequenceFault;
 use super::tracking::CameraInput;
 use crate::noise::{Fresh, Recorded};
-use dpn_core::check::{CheckOptions, RecordingFault, check};
+use dpn_core::check::{CheckOptions, Gap, RecordingFault, check, is_made_up};
 use dpn_core::estimate::NoiseSpec;
-use dpn_core::{NoiseTrack, Stamp, TrackFrame};
+use dpn_core::{ImuRecording, NoiseTrack, Stamp, TrackFrame};
 use dpn_live::{gravity_warning, settings_for};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
@@ -26,6 +26,7 @@ use dpn_vio::estimator::{BiasJump, Doubt, FrontEndObserver, Phase, doubts, doubt
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Tracks that cover less than this share of the samples' time are worth a word.
@@ -34,6 +35,9 @@ const COVERED: f64 = 0.5;
 const SHOWN_EVENTS: usize = 8;
 /// Brightness that changes by a larger share from image to image is no exposure that follows the light.
 const MOST_FLICKER: f64 = 0.05;
+
+/// An IMU that gives fewer samples a second is worth a word.
+const SLOW_IMU_HZ: f64 = 80.0;
 
 /// One run, judged.
 #[derive(Debug, Clone)]
@@ -213,6 +217,26 @@ fn fit(recording: &Recording, log: &FrameLog) -> Result<(), ClosedLoopError> {
     }
 }
 
+/// What is to be said of long steps between samples while frames `ran`: samples that were lost, and stamps of arrival that make up for each other.
+fn gap_words(imu: &ImuRecording, gaps: Vec<Gap>, ran: Option<Range<Stamp>>) -> Vec<String> {
+    let period = imu.rate().period();
+    let seen = gaps.into_iter().filter(|gap| ran.as_ref().is_none_or(|ran| ran.contains(&gap.after)));
+    let (late, lost): (Vec<Gap>, Vec<Gap>) = seen.partition(|gap| {
+        is_made_up(imu, gap.index, gap.seconds, period).expect("a recording lies in memory")
+    });
+    let longest = |gaps: &[Gap]| gaps.iter().map(|gap| gap.seconds).fold(0.0, f64::max);
+    let mut said: Vec<String> =
+        RecordingFault::of_gaps(&lost).iter().map(|fault| format!("IMU: {fault}")).collect();
+    if !late.is_empty() {
+        said.push(format!(
+            "IMU: {} step(s) of up to {:.3} s are made up for by shorter ones: no sample is lost, but stamps are times of arrival; take the sensor's own clock for them",
+            late.len(),
+            longest(&late)
+        ));
+    }
+    said
+}
+
 /// What is odd about the input.
 fn warnings(
     recording: &Recording,
@@ -265,14 +289,23 @@ fn warnings(
             ));
         }
     }
-    for fault in check(&recording.imu, &CheckOptions::default()).faults {
+    let checked = check(&recording.imu, &CheckOptions::default());
+    let ran = frames.first().zip(frames.last()).map(|(begin, end)| begin.t..end.t);
+    found.extend(gap_words(&recording.imu, checked.gaps, ran));
+    if recording.imu.rate().hz() < SLOW_IMU_HZ {
+        found.push(format!(
+            "IMU: {:.0} samples a second: shaking faster than half of that is folded into slow motion; take 100 or more, or what the sensor filters at",
+            recording.imu.rate().hz()
+        ));
+    }
+    for fault in checked.faults {
         match fault {
-            RecordingFault::Gaps { .. }
-            | RecordingFault::Saturated { .. }
-            | RecordingFault::Constant { .. } => {
+            RecordingFault::Saturated { .. } | RecordingFault::Constant { .. } => {
                 found.push(format!("IMU: {fault}"));
             }
-            RecordingFault::TooShort { .. } | RecordingFault::WrongRate { .. } => {}
+            RecordingFault::Gaps { .. }
+            | RecordingFault::TooShort { .. }
+            | RecordingFault::WrongRate { .. } => {}
         }
     }
     if let Some(first) = &output.report.first_spike {
@@ -282,4 +315,32 @@ fn warnings(
     found.extend(health.warning());
     found.extend(axes.warning());
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::ImuSample;
+    use dpn_core::check::gaps;
+
+    #[test]
+    fn samples_lost_while_frames_ran_are_told_from_stamps_of_arrival() {
+        let at = |k: i64| Stamp::from_ns(5_000_000 * k);
+        // Three come at once with the fourth, twice; ten are lost, once amid the frames and once after them.
+        let stamp = |k: i64| match k {
+            200..203 | 300..303 => {
+                Stamp::from_ns(at(k / 100 * 100 + 3).ns() - 1_000 * (k / 100 * 100 + 3 - k))
+            }
+            _ => at(k),
+        };
+        let kept = (0..1000).filter(|k| !(500..510).contains(k) && !(900..910).contains(k));
+        let samples = kept.map(|k| ImuSample { t: stamp(k), gyro: [0.0; 3], accel: [0.0, 0.0, 9.81] });
+        let imu = ImuRecording::new(samples.collect()).unwrap();
+        let found = gaps(&imu, 1.5 * imu.rate().period());
+        let said = gap_words(&imu, found.clone(), Some(at(0)..at(800)));
+        let [lost, late] = &said[..] else { panic!("{said:?}") };
+        assert!(lost.contains("1 gap(s), 0.055 s in all"), "{lost}");
+        assert!(late.contains("2 step(s) of up to 0.020 s") && late.contains("times of arrival"), "{late}");
+        assert_eq!(gap_words(&imu, found, Some(at(600)..at(800))), Vec::<String>::new());
+    }
 }

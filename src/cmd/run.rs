@@ -134,9 +134,34 @@ pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> St
         0 => "no image had samples on both sides of it".to_owned(),
         _ => format!("never initialised; waited for {}", waiting(waited_for)),
     };
+    let most = waited_for
+        .iter()
+        .filter(|(reason, _)| *reason != "too-few-frames")
+        .max_by_key(|(_, frames)| **frames);
+    let remedy = match most.map(|(reason, _)| reason.as_str()) {
+        Some("at-rest") => "Nothing moved: carry the camera sideways, not only turn it",
+        Some("too-little-parallax") => {
+            "The camera turned, or moved too little for how far it sees: carry it sideways, past things that are near"
+        }
+        Some("too-few-tracks") => {
+            "Points are lost from image to image: look for blur, darkness, a dirty lens (--draw shows the tracks)"
+        }
+        Some("implausible-accel-bias") => {
+            "The accelerometer reads another force than gravity: its scale (--accel-scale), an axis or a sign is wrong (`dpn check`)"
+        }
+        Some("implausible-gyro-bias") => {
+            "The gyroscope reads turns that the camera does not make: its unit, its bias at rest (`dpn check`)"
+        }
+        Some("no-structure" | "implausible-track-residual") => {
+            "Tracks and gyroscope fit no camera that moves: look at the calibration (focal length, mounting, clock) and at the gyroscope's axes and signs"
+        }
+        _ => {
+            "Look at other warnings, at the calibration, and at the accelerometer's axes and signs: one that reads -1 g upwards (iOS) is turned by --accel-scale -1; \
+             a camera that keeps its speed, or only turns, shows no scale"
+        }
+    };
     format!(
-        "no pose in {frames} frames: {waited}. Where it should have been, look at the calibration and at other warnings; `dpn check` says \
-         what is wrong with an IMU's log, --draw shows the camera's tracks, and an accelerometer that reads -1 g upwards (iOS) is turned by --accel-scale -1"
+        "no pose in {frames} frames: {waited}. {remedy}; `dpn check` says what is wrong with an IMU's log"
     )
 }
 

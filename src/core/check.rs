@@ -5,6 +5,7 @@
 use crate::imu::{ImuRecording, Sensor};
 use crate::plateaus::{Plateau, extremes};
 use crate::samples::Samples;
+use crate::signal::stats::median_of;
 use crate::time::{SampleRate, Stamp};
 use std::io;
 use thiserror::Error;
@@ -132,6 +133,19 @@ impl RecordingFault {
     }
 }
 
+impl RecordingFault {
+    /// Gaps in one sentence; `None` where there are none.
+    pub fn of_gaps(gaps: &[Gap]) -> Option<Self> {
+        let longest = gaps.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds))?;
+        Some(Self::Gaps {
+            count: gaps.len(),
+            total_s: gaps.iter().map(|gap| gap.seconds).sum(),
+            longest_s: longest.seconds,
+            longest_after: longest.after,
+        })
+    }
+}
+
 fn axis_name(axis: usize) -> &'static str {
     ["x", "y", "z"][axis]
 }
@@ -149,14 +163,7 @@ pub fn check(recording: &ImuRecording, options: &CheckOptions) -> Findings {
         faults.push(RecordingFault::WrongRate { found_hz: rate.hz(), expected_hz: expected.hz() });
     }
     let gaps = gaps(recording, rate.period() * options.gap_periods);
-    if let Some(longest) = gaps.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds)) {
-        faults.push(RecordingFault::Gaps {
-            count: gaps.len(),
-            total_s: gaps.iter().map(|g| g.seconds).sum(),
-            longest_s: longest.seconds,
-            longest_after: longest.after,
-        });
-    }
+    faults.extend(RecordingFault::of_gaps(&gaps));
     faults.extend(stuck(recording).expect("a recording lies in memory"));
     Findings { rate, gaps, faults }
 }
@@ -188,6 +195,26 @@ pub fn gaps(recording: &ImuRecording, longer_than: f64) -> Vec<Gap> {
             (seconds > longer_than).then_some(Gap { index, after: pair[0].t, seconds })
         })
         .collect()
+}
+
+/// Whether the steps around the one behind the sample `index`, of `step` seconds, are as much shorter as that is longer than the `period`: stamps of arrival, and no sample
+/// lost. The median over spans of several lengths, whose ends jitter too.
+///
+/// # Errors
+/// As [`Samples::piece`].
+pub fn is_made_up(samples: &dyn Samples, index: usize, step: f64, period: f64) -> io::Result<bool> {
+    const ENDS: usize = 9;
+    let reach = 2 * (step / period).round() as usize + 8;
+    let (from, to) = (index.saturating_sub(reach + ENDS), (index + 1 + reach + ENDS).min(samples.len() - 1));
+    let before = samples.piece(from..(from + ENDS).min(index + 1))?;
+    let after = samples.piece((to + 1).saturating_sub(ENDS).max(index + 1)..to + 1)?;
+    let missing = before
+        .iter()
+        .enumerate()
+        .zip(after.iter().rev().enumerate())
+        .map(|((i, a), (k, b))| b.t.seconds_since(a.t) / period - (to - k - (from + i)) as f64);
+    let missing = median_of(missing).expect("a step has a sample on both sides");
+    Ok(missing < 0.5 * ((step / period).round() - 1.0).max(1.0))
 }
 
 #[cfg(test)]

@@ -96,8 +96,9 @@ fn a_sound_recording_is_trusted_and_faults_that_cost_much_are_said() {
         ("gyroscope z negated", "mirrored"),
         ("gyroscope x0.9", "scaled"),
         ("camera late by 50 ms", "camera clock"),
+        ("camera late by 1 s", "late"),
         ("camera turned by 90 degrees", "turned"),
-        ("focal length x1.2", "levels"),
+        ("focal length x1.2", "gyro scale"),
     ] {
         let fault = FAULTS.iter().find(|known| known.name == fault).unwrap();
         let outcome = recording.run(fault);

@@ -4,8 +4,8 @@ use super::clock;
 use super::kept::Kept;
 use crate::finding::Finding;
 use dpn_core::Recorded;
+use dpn_core::check::is_made_up;
 use dpn_core::signal::ranks::{Column, Level, levels};
-use dpn_core::signal::stats;
 use std::io;
 
 /// Jitter of a step, relative to the median one, from which an integrator notices.
@@ -144,24 +144,6 @@ fn holes(recording: &dyn Recorded, limit: f64, period: f64) -> io::Result<Holes>
     holes.late = (holes.late as f64 * share).round() as usize;
     holes.lost *= share;
     Ok(holes)
-}
-
-/// Whether the steps around the one behind the sample `index` are as much shorter as that is too long: the median over spans of several lengths, whose
-/// ends jitter too.
-fn is_made_up(recording: &dyn Recorded, index: usize, step: f64, period: f64) -> io::Result<bool> {
-    const ENDS: usize = 9;
-    let reach = 2 * (step / period).round() as usize + 8;
-    let (from, to) =
-        (index.saturating_sub(reach + ENDS), (index + 1 + reach + ENDS).min(recording.len() - 1));
-    let before = recording.piece(from..(from + ENDS).min(index + 1))?;
-    let after = recording.piece((to + 1).saturating_sub(ENDS).max(index + 1)..to + 1)?;
-    let missing = before
-        .iter()
-        .enumerate()
-        .zip(after.iter().rev().enumerate())
-        .map(|((i, a), (k, b))| b.t.seconds_since(a.t) / period - (to - k - (from + i)) as f64);
-    let missing = stats::median_of(missing).expect("a step has a sample on both sides");
-    Ok(missing < 0.5 * ((step / period).round() - 1.0).max(1.0))
 }
 
 impl Holes {

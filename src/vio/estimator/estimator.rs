@@ -513,7 +513,7 @@ impl Estimator {
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
             if self.suspects.read(&mut self.window) {
-                self.report.suspect = self.suspects.surest();
+                self.report.suspect = self.suspects.surest(&self.window.body_from_cam().rotation);
             }
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
                 learner.read(&mut self.window);

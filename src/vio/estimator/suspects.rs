@@ -18,7 +18,7 @@ use crate::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, STATE_DIM, VELOCIT
 use crate::window::{Frame, Window};
 use dpn_core::geometry::so3::hat;
 use dpn_core::{GRAVITY, Stamp};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -46,6 +46,10 @@ const QUANTITIES: [Quantity; 5] = [
 ];
 /// So many deviations from none.
 const SURE: f64 = 5.0;
+/// Scales about the camera's axis and across it are apart, and those across it alike, by this share of the latter ...
+const APART: f64 = 0.4;
+/// ... where an axis of the IMU is the camera's by so much.
+const ALONG: f64 = 0.7;
 /// Fewest windows that are asked.
 const FEWEST: usize = 6;
 /// Windows that are kept: half an hour.
@@ -92,12 +96,26 @@ pub enum Suspect {
         /// \[s\]
         off_s: f64,
     },
-    /// The gyroscope's scale by axis.
-    #[error("residuals have the gyroscope read {:.2}, {:.2} and {:.2} times the rate about its axes: --gyro-scale takes a scale out", 1.0 + off[0], 1.0 + off[1], 1.0 + off[2])]
+    /// The gyroscope's scale by axis, or the focal length.
+    #[error(
+        "residuals have the gyroscope read {:.2}, {:.2} and {:.2} times the rate about its axes: --gyro-scale takes a scale out{}",
+        1.0 + off[0], 1.0 + off[1], 1.0 + off[2], or_focal(*focal)
+    )]
     GyroScale {
         /// More than one.
         off: [f64; 3],
+        /// What a focal length that explains it is over the one given, where turns about the camera's axis look right.
+        focal: Option<f64>,
     },
+}
+
+fn or_focal(focal: Option<f64>) -> String {
+    let words = |factor: f64| {
+        format!(
+            "; but turns about the camera's axis look right, as where the focal length is {factor:.2} times the one given, or beyond: is the calibration of this lens, and of images of this size?"
+        )
+    };
+    focal.map(words).unwrap_or_default()
 }
 
 fn size(off: &[f64; 3]) -> f64 {
@@ -140,8 +158,8 @@ impl Suspects {
         Some((off, inverse * spread * inverse))
     }
 
-    /// The quantity that is off by more than good recordings have, as surely as none other; `None` where none is.
-    pub(super) fn surest(&self) -> Option<Suspect> {
+    /// The quantity that is off by more than good recordings have, as surely as none other, before a camera mounted so; `None` where none is.
+    pub(super) fn surest(&self, body_from_cam: &UnitQuaternion<f64>) -> Option<Suspect> {
         if self.windows.len() < FEWEST {
             return None;
         }
@@ -161,9 +179,20 @@ impl Suspects {
             0 => Suspect::Place { off: three() },
             MOUNTING => Suspect::Mounting { off: three() },
             CLOCK => Suspect::Clock { off_s: off[CLOCK] },
-            _ => Suspect::GyroScale { off: three() },
+            _ => Suspect::GyroScale { off: three(), focal: focal(&three(), body_from_cam) },
         })
     }
+}
+
+/// The focal length, over the one given, that looks like a gyroscope's scale: about the camera's axis pixels say an angle without it. Of a camera that looks along an axis of the IMU, and of
+/// one that turned about it: where it did not, a gyroscope's scale looks like that too.
+fn focal(off: &[f64; 3], body_from_cam: &UnitQuaternion<f64>) -> Option<f64> {
+    let axis = body_from_cam * Vector3::z();
+    let about: f64 = (0..3).map(|k| axis[k] * axis[k] * off[k]).sum();
+    let across = 0.5 * (off.iter().sum::<f64>() - about);
+    let alike = |k: usize| axis[k].abs() > ALONG || (off[k] - across).abs() < APART * across.abs();
+    let is_focal = about.abs() < APART * across.abs() && (0..3).all(alike);
+    is_focal.then_some(1.0 / (1.0 + across))
 }
 
 /// A window's score; `None` without inertial measurements. Its factor is its information's.

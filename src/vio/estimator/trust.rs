@@ -8,6 +8,7 @@ use super::suspects::Suspect;
 use super::update::RestartReason;
 use crate::components::Levels;
 use dpn_core::GRAVITY;
+use dpn_core::imu::Sensor;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -72,11 +73,35 @@ pub enum Doubt {
         suspect: Suspect,
     },
     /// The noise learned is no sensor's.
-    #[error("the noise learned is {level:.0} times what was given ({MOST_LEVEL} at most in a good run)")]
+    #[error(
+        "the noise learned of the {}'s {axis} is {level:.0} times what was given ({MOST_LEVEL} at most in a good run)",
+        if *sensor == Sensor::Gyro { "gyroscope" } else { "accelerometer" }
+    )]
     Levels {
         /// The largest level of an axis of the samples.
         level: f64,
+        /// Whose it is.
+        sensor: Sensor,
+        /// And of which axis.
+        axis: char,
     },
+}
+
+impl Doubt {
+    /// The largest level, where it is no sensor's noise.
+    fn of_levels(levels: &Levels) -> Option<Self> {
+        let of_axes = [Sensor::Accel, Sensor::Gyro]
+            .into_iter()
+            .flat_map(|sensor| ['x', 'y', 'z'].map(|axis| (sensor, axis)));
+        let (level, (sensor, axis)) =
+            levels.inertial.0.into_iter().zip(of_axes).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (level > MOST_LEVEL).then_some(Self::Levels { level, sensor, axis })
+    }
+
+    /// Whether it says itself what is to be mended; the others only say that something is.
+    fn names_a_cause(&self) -> bool {
+        matches!(self, Self::WrongClock { .. } | Self::Gravity { .. } | Self::Calibration { .. })
+    }
 }
 
 /// What speaks against a run; `levels` are those learned last.
@@ -101,8 +126,7 @@ pub fn doubts(report: &RunReport, levels: Option<&Levels>) -> Vec<Doubt> {
     let bias = report.vertical_bias_mean().filter(|bias| bias.abs() > MOST_VERTICAL_BIAS);
     found.extend(bias.map(|bias| Doubt::Gravity { bias }));
     found.extend(report.suspect.map(|suspect| Doubt::Calibration { suspect }));
-    let level = levels.map_or(0.0, |levels| levels.inertial.0[..6].iter().copied().fold(0.0, f64::max));
-    found.extend((level > MOST_LEVEL).then_some(Doubt::Levels { level }));
+    found.extend(levels.and_then(Doubt::of_levels));
     found
 }
 
@@ -112,10 +136,13 @@ pub fn doubts_warning(doubts: &[Doubt], cause_is_known: bool) -> Option<String> 
         return None;
     }
     let reasons: Vec<String> = doubts.iter().map(ToString::to_string).collect();
-    let cause = if doubts.iter().any(|doubt| matches!(doubt, Doubt::Calibration { .. })) {
+    let cause = if doubts.iter().any(Doubt::names_a_cause) {
         ""
     } else if cause_is_known {
         "; another warning names a cause"
+    } else if doubts.iter().any(|doubt| matches!(doubt, Doubt::Levels { sensor: Sensor::Gyro, .. })) {
+        "; the images turn otherwise than the gyroscope by more than its noise, though on the whole alike: look at the lens's calibration, at a rolling shutter, at exposures \
+         that change (an image's time is the middle of its exposure), at blur, at stamps of arrival"
     } else {
         "; camera and gyroscope turn together, so look at what turns do not show: the accelerometer's scale and signs (`dpn check`), the calibration's principal \
          point and distance from camera to IMU, images that repeat, blur or show little"
@@ -149,6 +176,8 @@ mod tests {
         assert_eq!(doubts(&late, None), []);
         let late = RunReport { initialised: Some(t.plus_seconds(-14.0)), ..late };
         assert_eq!(doubts(&late, None), [Doubt::WrongClock { seconds: 14.0, off_s: 0.1 }]);
+        // What names its cause needs no other hint.
+        assert!(!doubts_warning(&doubts(&late, None), false).unwrap().contains("`dpn check`"));
         let bad = RunReport {
             outliers: 250,
             whitened: (4500.0, 900),
@@ -164,7 +193,7 @@ mod tests {
             Doubt::Restarted { times: 1 },
             Doubt::Gravity { bias: -0.981 },
             Doubt::Calibration { suspect: Suspect::Place { off: [0.0, 0.12, -0.16] } },
-            Doubt::Levels { level: 34.0 },
+            Doubt::Levels { level: 34.0, sensor: Sensor::Accel, axis: 'x' },
         ];
         assert_eq!(found, expected);
         let said = doubts_warning(&found, false).unwrap();

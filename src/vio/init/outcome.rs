@@ -141,7 +141,10 @@ impl WaitReason {
             Self::TooLittleParallax { .. } => "too-little-parallax",
             Self::NoStructure { .. } => "no-structure",
             Self::ScaleUncertain { .. } => "scale-uncertain",
-            Self::Implausible { .. } => "implausible",
+            Self::Implausible { what: Implausible::AccelBias, .. } => "implausible-accel-bias",
+            Self::Implausible { what: Implausible::GyroBias, .. } => "implausible-gyro-bias",
+            Self::Implausible { what: Implausible::TrackResidual, .. } => "implausible-track-residual",
+            Self::Implausible { what: Implausible::InertialResidual, .. } => "implausible-inertial-residual",
         }
     }
 }

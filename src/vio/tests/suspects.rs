@@ -36,7 +36,7 @@ fn what_residuals_point_at_is_what_was_changed_and_a_sound_flight_has_none() {
     assert!((0.07..0.18).contains(&x) && y.hypot(z) < 0.05, "{seen:?}");
 
     let seen = found(&sound, None, |sample| sample.gyro = sample.gyro.map(|rate| 0.9 * rate), |_| ());
-    let Some(Suspect::GyroScale { off }) = seen else { panic!("{seen:?}") };
+    let Some(Suspect::GyroScale { off, .. }) = seen else { panic!("{seen:?}") };
     assert!(off.iter().all(|off| (-0.13..0.0).contains(off)), "{seen:?}");
 
     // Late, and told that it is not.
