@@ -14,7 +14,7 @@
 //! | `fleet/NOISE/QUANTITY` | all platforms: `score`, the error over that of each platform's best constant; `worst`; both in per cent as `less` and `more`; against the constant that is best elsewhere `ratio`, `better`, and in per cent `less-than-single` |
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
 //! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
-//! | `flight/SENSOR/NOISE` | raw test flights: by what factor that noise is off the level of the reconciled truth, the root mean square of its logarithm over sequences; `outside`, the largest share of windows out of range |
+//! | `flight/SENSOR/NOISE` | raw test flights: by what factor that noise is off the level of the reconciled truth, the root mean square of its logarithm over sequences; `outside`, the largest share of windows out of range; `flight@HZ` and `outside@HZ` of the network for that rate |
 //! | `rest/QUANTITY` | simulated logs at rest: share of the intervals with the truth `inside`, their `median` width as a factor, how many axes are `off` by 1.3, and, of those whose plateau has 115 independent values, `wider` than 1.2 |
 //! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, those `without` a pose, and the `summary` |
 //! | `table/NAME` | the whole table of a chapter: `study`, `step`, `courses`, `open`, `fleet` |
@@ -284,8 +284,8 @@ fn of_flight(sensor: &str, noise: &str) -> String {
     let rows: Vec<&Value> =
         results["rows"].as_array().unwrap().iter().filter(|row| row["sensor"] == sensor).collect();
     let get = |row: &Value, what: &str| row[what].as_f64().unwrap_or_else(|| panic!("{sensor}: no {what}"));
-    if noise == "outside" {
-        return percent(rows.iter().map(|row| get(row, "outside")).fold(0.0, f64::max));
+    if noise.starts_with("outside") {
+        return percent(rows.iter().map(|row| get(row, noise)).fold(0.0, f64::max));
     }
     let square = |row: &&Value| (get(row, noise) / get(row, "truth")).ln().powi(2);
     format!("{:.2}", (rows.iter().map(square).sum::<f64>() / rows.len() as f64).sqrt().exp())

@@ -131,6 +131,7 @@ mod tests {
             ratio: 2.0,
             n: 21,
             seeds: 0,
+            outside: None,
             by_sigma,
         }
     }

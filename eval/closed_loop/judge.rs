@@ -264,6 +264,7 @@ pub fn judge(
         frames: output.frames.len(),
         poses: poses.len(),
         noise_rms: None,
+        noise_doubts: Vec::new(),
         cpu_per_data_s: output.cpu_s / output.data_s,
         p95_update_ms: 1e3 * p95_update_s.expect("frames that have samples are worked off"),
         stage_s: StageSeconds {

@@ -139,6 +139,9 @@ pub struct Row {
     /// Root mean square of the noise told over the recording: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     #[serde(default)]
     pub noise_rms: Option<[[f64; 3]; 2]>,
+    /// What the spectrum of the samples has against the noise told, where that is an estimate: sentences, one a sensor at most.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub noise_doubts: Vec<String>,
     /// CPU seconds a second of data.
     pub cpu_per_data_s: f64,
     /// 95th percentile of an update's CPU time \[ms\].

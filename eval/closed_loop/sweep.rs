@@ -308,7 +308,12 @@ impl Sweep<'_> {
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        Ok(Some(Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row }))
+        Ok(Some(Row {
+            cell: cell.content.clone(),
+            noise_rms: Some(noise_rms(&noise)),
+            noise_doubts: dpn_noise::doubts(cell.noise, &recording.imu, &noise),
+            ..judged.row
+        }))
     }
 
     /// What a cell's odometry is given: the recording, and tracks enough.

@@ -6,6 +6,9 @@ use dpn_core::Sensor;
 use dpn_core::estimate::WindowSigma;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
+use dpn_core::signal::stats::mean;
+use dpn_pronet::network::Network;
+use dpn_pronet::range::Quietest;
 use dpn_train::asl::TUM_VI;
 use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
@@ -57,6 +60,26 @@ struct Answer {
     seed: Option<u64>,
     labels: Vec<Label>,
     sigma: Vec<f64>,
+    /// Share of the windows that are unlike the network's training.
+    outside: Option<f64>,
+}
+
+/// Windows that are held against a network's training range, about as many.
+const LOOKED_AT: usize = 500;
+
+/// Share of the rows that are unlike all that `network` was trained on, `sigma` its answers; none where its card does not say what that was.
+fn outside(network: &Network, examples: &Examples, sigma: &[f64]) -> Option<f64> {
+    let range = network.weights.card().range?;
+    let quietest = range.quietest.and_then(|_| Quietest::new(examples.width));
+    let every = (examples.window.last()? / LOOKED_AT).max(1);
+    let looked_at = (0..examples.len()).filter(|row| examples.window[*row].is_multiple_of(every));
+    let judged: Vec<f64> = looked_at
+        .map(|row| {
+            let window: Vec<f32> = examples.row(row).iter().map(|v| *v as f32).collect();
+            f64::from(range.is_outside(&window, sigma[row], quietest.as_ref()))
+        })
+        .collect();
+    Some(mean(&judged))
 }
 
 impl Job<'_> {
@@ -145,6 +168,7 @@ impl Job<'_> {
                 seed: None,
                 labels: Label::OF_WHITE.to_vec(),
                 sigma: examples.samples.chunks_exact(WINDOW).map(|window| estimator.sigma(window)).collect(),
+                outside: None,
             })
         };
         let simple = self.simple.par_iter().map(|estimator| windows(estimator.as_ref()));
@@ -165,6 +189,7 @@ impl Job<'_> {
                         seed: None,
                         labels: vec![*label],
                         sigma: regressor.predict(&table),
+                        outside: None,
                     });
                 }
             }
@@ -176,11 +201,13 @@ impl Job<'_> {
             }
             self.go_on()?;
             let labels = Label::OF_WHITE.iter().copied();
+            let sigma = predict(&network.weights, &examples.samples);
             answers.push(Answer {
                 name: if own { network.name.clone() } else { format!("{}@{}", network.name, network.base) },
                 seed: Some(network.seed),
                 labels: labels.filter(|l| self.foreign() || l.to_string() == network.label).collect(),
-                sigma: predict(&network.weights, &examples.samples),
+                outside: outside(network, examples, &sigma),
+                sigma,
             });
         }
         Ok(answers)
@@ -191,19 +218,20 @@ impl Job<'_> {
         for label in Label::OF_WHITE {
             let truth = examples.truth(label);
             // Seeds of one network stand together under its name, in the order the names came.
-            let mut groups: Vec<(&str, Vec<(Errors, bool)>)> = Vec::new();
+            let mut groups: Vec<(&str, Vec<(Errors, &Answer)>)> = Vec::new();
             for answer in answers.iter().filter(|answer| answer.labels.contains(&label)) {
                 let errors = Errors::of(&answer.sigma, &truth, &examples.injected, bins, WINDOW);
                 match groups.iter_mut().find(|(name, _)| *name == answer.name) {
-                    Some((_, group)) => group.push((errors, answer.seed.is_some())),
-                    None => groups.push((&answer.name, vec![(errors, answer.seed.is_some())])),
+                    Some((_, group)) => group.push((errors, answer)),
+                    None => groups.push((&answer.name, vec![(errors, answer)])),
                 }
             }
             for (name, group) in groups {
                 let count = group.len() as f64;
                 let rmse = group.iter().map(|(e, _)| e.rmse).sum::<f64>() / count;
                 let spread = group.iter().map(|(e, _)| (e.rmse - rmse).powi(2)).sum::<f64>() / (count - 1.0);
-                let (first, trained) = &group[0];
+                let (first, answer) = &group[0];
+                let outside: Option<Vec<f64>> = group.iter().map(|(_, answer)| answer.outside).collect();
                 rows.push(Row {
                     sensor: self.sensor,
                     base: self.base.to_string(),
@@ -218,7 +246,8 @@ impl Job<'_> {
                     crb: first.crb,
                     ratio: rmse / first.crb,
                     n: truth.len(),
-                    seeds: if *trained { group.len() } else { 0 },
+                    seeds: if answer.seed.is_some() { group.len() } else { 0 },
+                    outside: outside.map(|shares| mean(&shares)),
                     by_sigma: first.by_sigma.clone(),
                 });
             }

@@ -38,6 +38,9 @@ pub struct Row {
     pub n: usize,
     /// Training seeds averaged; 0 where nothing was trained.
     pub seeds: usize,
+    /// Share of the windows that are unlike all that the network was trained on, the mean over its seeds; absent where no network was asked.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub outside: Option<f64>,
     /// RMSE and bias by true deviation.
     pub by_sigma: Vec<SigmaBin>,
 }

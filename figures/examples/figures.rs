@@ -88,6 +88,7 @@ fn rows() -> Vec<Row> {
                 ratio: errors.rmse / errors.crb,
                 n: truth.len(),
                 seeds: if i < 2 { 3 } else { 0 },
+                outside: None,
                 by_sigma: errors.by_sigma,
             });
         }

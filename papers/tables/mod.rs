@@ -16,7 +16,7 @@ mod timing;
 
 pub use fleet::{fleet, fleet_platforms};
 pub use open_loop::open_loop_rows;
-pub use sweep::{ate, comparisons, consistency, summaries};
+pub use sweep::{ate, comparisons, consistency, doubts, summaries};
 
 pub(super) use closed_loop::closed_loop;
 pub(super) use injected::{courses, responses};

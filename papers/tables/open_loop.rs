@@ -16,7 +16,7 @@ use dpn_train::split::Side;
 /// All `rows` in their order; a line of the paper follows the last row it belongs to.
 pub fn open_loop_rows(rows: &[Row]) -> Table {
     let words = ["sensor", "data", "base", "split", "levels", "label", "estimator"];
-    let numbers = ["rmse", "rmse_spread", "bias", "crb", "ratio", "n", "seeds"];
+    let numbers = ["rmse", "rmse_spread", "bias", "crb", "ratio", "n", "seeds", "out of range"];
     let mut table = Table::new("open_loop", "", Column::all(&words, &numbers));
     for (i, row) in rows.iter().enumerate() {
         // As many decimals as hold three digits or more of the sensor's errors; the same in all rows, so that points align.
@@ -27,6 +27,7 @@ pub fn open_loop_rows(rows: &[Row]) -> Table {
         let mut cells = words.map(Cell::text).to_vec();
         cells.extend([Some(row.rmse), row.rmse_spread, Some(row.bias), Some(row.crb)].map(figure));
         cells.extend([Cell::number(row.ratio, 2), Cell::text(row.n), Cell::text(row.seeds)]);
+        cells.push(Cell::percent(row.outside, 0));
         table.row(cells);
         let is_papers = row.base == "sg(5,2)" && row.levels == "grid" && row.label == Label::Injected;
         if is_papers && !rows[i + 1..].iter().any(|later| same_windows(row, later)) {

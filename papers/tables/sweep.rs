@@ -79,6 +79,22 @@ pub fn comparisons(study: &Study) -> Option<Table> {
     (!table.lines.is_empty()).then_some(table)
 }
 
+/// What spectra have against the noises told, a line a sequence, noise and sensor; nothing where they have nothing.
+pub fn doubts(rows: &RowSet<'_>) -> Option<Table> {
+    let title = "Noises that the spectrum of the samples contradicts, or nothing confirms";
+    let mut table = Table::new("doubts", title, Column::all(&["sequence", "noise", "what is said"], &[]));
+    for sequence in rows.sequences(None) {
+        for noise in rows.noises() {
+            // Another seed's samples are as doubtful.
+            let doubted = rows.cell(sequence, noise).find(|row| !row.noise_doubts.is_empty());
+            for words in doubted.iter().flat_map(|row| &row.noise_doubts) {
+                table.row(vec![Cell::text(sequence), Cell::text(noise), Cell::text(words)]);
+            }
+        }
+    }
+    (!table.lines.is_empty()).then_some(table)
+}
+
 /// NEES over seeds; nothing without any.
 pub fn consistency(reports: &[Consistency]) -> Option<Table> {
     let heads = ["runs", "bounds", "position", "inside", "above", "orientation", "inside", "above"];
@@ -135,6 +151,21 @@ mean, all (2)    both      0.300     0.120      0.185
         let text = summaries(&study).console();
         assert!(text.ends_with("x1        6       2         0.300  1.0 %      80.0 %       2.0         6      0.90       -       -         2.0   0.0200       3.0\n"), "\n{text}");
         assert_eq!(comparisons(&study), None);
+    }
+
+    #[test]
+    fn what_is_doubted_is_said_once_a_sequence_and_noise() {
+        let mut rows = [0, 1, 2].map(|seed| row("MH_01_easy", "diff2", seed, Some(0.1)));
+        assert_eq!(doubts(&RowSet::new(&rows)), None);
+        for row in &mut rows[1..] {
+            row.noise_doubts = ["accel", "gyro"].map(|sensor| format!("NOT KNOWN: the {sensor}'s")).into();
+        }
+        // As a row is written and read again; one that was written before there were doubts has none.
+        let rows = rows.map(|row| serde_json::from_str(&serde_json::to_string(&row).unwrap()).unwrap());
+        let text = doubts(&RowSet::new(&rows)).unwrap().console();
+        let line = |sensor: &str| format!("\nMH_01_easy  diff2  NOT KNOWN: the {sensor}'s\n");
+        assert!(text.contains(&line("accel")) && text.ends_with(&line("gyro")[1..]), "\n{text}");
+        assert_eq!(text.lines().count(), 5, "\n{text}");
     }
 
     #[test]

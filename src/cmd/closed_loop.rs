@@ -131,9 +131,9 @@ pub(super) fn tables(out: ResultPath, rows: Vec<Row>) -> Result<LoopTables> {
     Ok(LoopTables { out, rows, text, json })
 }
 
-/// Errors by sequence and by noise; comparisons and consistency, where they could be made.
+/// Errors by sequence and by noise; comparisons, consistency and doubts, where there are any.
 fn all_tables(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> Vec<Table> {
-    let optional = [table::comparisons(study), table::consistency(reports)];
+    let optional = [table::comparisons(study), table::consistency(reports), table::doubts(rows)];
     [table::ate(rows), table::summaries(study)].into_iter().chain(optional.into_iter().flatten()).collect()
 }
 

@@ -2,13 +2,14 @@
 
 use super::{closed_loop, corpus, inertial, program, shipped, stop};
 use crate::args::EvalArgs;
-use crate::ui::{Bar, errln, outln, print_pictures, refuse};
+use crate::ui::{Bar, errln, outln, print_pictures, refuse, warn};
 use anyhow::Result;
 use dpn_core::{SampleRate, Sensor};
 use dpn_eval::open_loop::{OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{rmse_vs_sigma, save};
 use dpn_io::{FolderLock, ResultPath, write_file, write_json};
 use dpn_papers::tables::open_loop_rows;
+use dpn_pronet::range::LOUD;
 use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
 use dpn_train::label::Label;
@@ -61,6 +62,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
         for words in not_shown(&request, &shown) {
             errln!("note: {words}");
         }
+        warn(out_of_range(&shown));
         outln!("{}", open_loop_rows(&shown).console())?;
         outln!("all rows: {}", out.join("open_loop.csv").display())?;
         print_pictures(&pictures)?;
@@ -147,6 +149,28 @@ fn not_shown(request: &Request<'_>, shown: &[Row]) -> Vec<String> {
         }
     }
     words
+}
+
+/// Where a network was asked about windows that its training had not.
+fn out_of_range(rows: &[Row]) -> Option<String> {
+    let of = |row: &Row| {
+        let share = row.outside.filter(|share| *share > LOUD)?;
+        Some(format!(
+            "{} on {}'s {}, {} ({:.0} %)",
+            row.estimator,
+            row.data,
+            row.sensor,
+            row.base,
+            100.0 * share
+        ))
+    };
+    let all: Vec<String> = rows.iter().filter_map(of).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "OUT OF RANGE: windows are unlike anything the network was trained on, and its errors there are those of an extrapolation: {}",
+            all.join("; ")
+        )
+    })
 }
 
 /// RMSE against sigma with the bound: a panel a sensor, on the paper's grid over [`DRAWN`], or over the first base where that one was not asked for.

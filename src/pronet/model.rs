@@ -1,7 +1,7 @@
 //! Both networks as one causal source of noise.
 
 use crate::predictor::Predictor;
-use crate::range::{Quietest, TrainedRange, WindowFigures};
+use crate::range::{Quietest, TrainedRange};
 use crate::weights::Weights;
 use dpn_core::imu::ImuSample;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd, ImuNoise, NoiseModel};
@@ -196,13 +196,8 @@ impl Channel {
         for ((axis, sigma), answered) in self.windows.chunks_exact(window).zip(sigma).zip(&mut self.answered)
         {
             self.count.windows += 1;
-            let outside = self.range.is_some_and(|range| {
-                range.excludes(WindowFigures::of(axis))
-                    || self
-                        .quietest
-                        .as_ref()
-                        .is_some_and(|quietest| range.excludes_answer(quietest.sigma(axis), f64::from(sigma)))
-            });
+            let quietest = self.quietest.as_ref();
+            let outside = self.range.is_some_and(|range| range.is_outside(axis, f64::from(sigma), quietest));
             // A network that answers no deviation was asked what it does not know.
             self.count.outside += u64::from(outside || !sigma.is_finite());
             *answered |= sigma.is_finite();

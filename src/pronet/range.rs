@@ -86,6 +86,9 @@ pub struct TrainedRange {
     pub quietest: Option<[f64; 2]>,
 }
 
+/// Share of windows outside the range from which it is shouted.
+pub const LOUD: f64 = 0.1;
+
 /// Share of the training windows beyond either end of [`TrainedRange::quietest`].
 const BEYOND: f64 = 1e-3;
 
@@ -129,13 +132,19 @@ impl TrainedRange {
         Self { quietest: ends.map(|(least, most)| [*least, *most]), ..self }
     }
 
+    /// Whether `window`, or what the network answers to it, `sigma`, is unlike all of the training; `quietest` is that of windows of its length.
+    pub fn is_outside(&self, window: &[f32], sigma: f64, quietest: Option<&Quietest>) -> bool {
+        let excludes_answer = |quietest: &Quietest| self.excludes_answer(quietest.sigma(window), sigma);
+        self.excludes(WindowFigures::of(window)) || quietest.is_some_and(excludes_answer)
+    }
+
     /// Whether a window with these figures is unlike every training window.
-    pub(crate) fn excludes(&self, f: WindowFigures) -> bool {
+    fn excludes(&self, f: WindowFigures) -> bool {
         is_outside(self.roughness, f.roughness) || is_outside(self.spread, f.spread)
     }
 
     /// Whether the quietest part of the band has so much of `sigma`, the answer, as none of the training has.
-    pub(crate) fn excludes_answer(&self, quietest: f64, sigma: f64) -> bool {
+    fn excludes_answer(&self, quietest: f64, sigma: f64) -> bool {
         self.quietest.is_some_and(|range| is_outside(range, quietest / sigma))
     }
 }

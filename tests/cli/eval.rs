@@ -54,6 +54,7 @@ fn it_leaves_rows_with_the_promised_keys_and_the_same_ones_twice() {
     for row in rows {
         let figure = |key: &str| row[key].as_f64().unwrap();
         assert!((figure("ratio") - figure("rmse") / figure("crb")).abs() < 1e-9 * figure("ratio"), "{row}");
+        assert_eq!(row["outside"].is_f64(), row["estimator"] == "pronet", "{row}");
     }
 
     judged(&data, &models, &again, &[]).well();
@@ -83,6 +84,18 @@ fn rows_that_a_reader_looks_for_and_cannot_find_are_explained() {
                  and those given were on sg(11,2) (grid, sigma_inj)\n";
     let done = of("raw");
     assert!(done.stderr.contains(words), "{}", done.stderr);
+    // A sequence that moves as the network has not seen.
+    let mut moving = rows(2000, PERIOD_NS);
+    moving.iter_mut().enumerate().for_each(|(i, (_, values))| values[3] += 5.0 * (0.03 * i as f64).sin());
+    put(&data, "still-2", &text(&moving));
+    let done = of("sg(11,2)");
+    let words = "warning: OUT OF RANGE: windows are unlike anything the network was trained on, and its errors there are those of an extrapolation: \
+                 pronet on log's accel, sg(11,2) (";
+    assert!(done.stderr.contains(words), "{}", done.stderr);
+    let row = done.stdout.lines().find(|line| line.contains(" pronet ")).unwrap_or_default();
+    let share: f64 = row.trim_end_matches(" %").rsplit(' ').next().unwrap().parse().unwrap();
+    // One axis of three, and few of the others.
+    assert!((33.0..60.0).contains(&share), "{row}");
     std::fs::remove_dir_all(data.join("still-2")).unwrap();
     let done = of("sg(11,2)");
     let words = "note: log: no row, for the table shows test sequences and still is to train on; give two sequences or more\n";

@@ -6,10 +6,8 @@ use crate::rest_noise::RestNoise;
 use crate::text::{aligned, instrument, listed};
 use dpn_core::estimate::{Doubt, Seen, two};
 use dpn_core::{SampleRate, Sensor};
+use dpn_pronet::range::LOUD;
 use std::fmt::Write;
-
-/// Share of windows outside the trained range from which it is shouted.
-const LOUD: f64 = 0.1;
 
 /// Share from which a median is one of what was extrapolated.
 const MOST_OF: f64 = 0.5;
