@@ -218,9 +218,9 @@ fn fit(recording: &Recording, log: &FrameLog) -> Result<(), ClosedLoopError> {
 }
 
 /// What is to be said of long steps between samples while frames `ran`: samples that were lost, and stamps of arrival that make up for each other.
-fn gap_words(imu: &ImuRecording, gaps: Vec<Gap>, ran: Option<Range<Stamp>>) -> Vec<String> {
+fn gap_words(imu: &ImuRecording, gaps: Vec<Gap>, ran: Option<&Range<Stamp>>) -> Vec<String> {
     let period = imu.rate().period();
-    let seen = gaps.into_iter().filter(|gap| ran.as_ref().is_none_or(|ran| ran.contains(&gap.after)));
+    let seen = gaps.into_iter().filter(|gap| ran.is_none_or(|ran| ran.contains(&gap.after)));
     let (late, lost): (Vec<Gap>, Vec<Gap>) = seen.partition(|gap| {
         is_made_up(imu, gap.index, gap.seconds, period).expect("a recording lies in memory")
     });
@@ -291,7 +291,7 @@ fn warnings(
     }
     let checked = check(&recording.imu, &CheckOptions::default());
     let ran = frames.first().zip(frames.last()).map(|(begin, end)| begin.t..end.t);
-    found.extend(gap_words(&recording.imu, checked.gaps, ran));
+    found.extend(gap_words(&recording.imu, checked.gaps, ran.as_ref()));
     if recording.imu.rate().hz() < SLOW_IMU_HZ {
         found.push(format!(
             "IMU: {:.0} samples a second: shaking faster than half of that is folded into slow motion; take 100 or more, or what the sensor filters at",
@@ -337,10 +337,10 @@ mod tests {
         let samples = kept.map(|k| ImuSample { t: stamp(k), gyro: [0.0; 3], accel: [0.0, 0.0, 9.81] });
         let imu = ImuRecording::new(samples.collect()).unwrap();
         let found = gaps(&imu, 1.5 * imu.rate().period());
-        let said = gap_words(&imu, found.clone(), Some(at(0)..at(800)));
+        let said = gap_words(&imu, found.clone(), Some(&(at(0)..at(800))));
         let [lost, late] = &said[..] else { panic!("{said:?}") };
         assert!(lost.contains("1 gap(s), 0.055 s in all"), "{lost}");
         assert!(late.contains("2 step(s) of up to 0.020 s") && late.contains("times of arrival"), "{late}");
-        assert_eq!(gap_words(&imu, found, Some(at(600)..at(800))), Vec::<String>::new());
+        assert_eq!(gap_words(&imu, found, Some(&(at(600)..at(800)))), Vec::<String>::new());
     }
 }
