@@ -53,10 +53,10 @@ pub(crate) struct HowArgs {
     /// Rate of a log without stamps: its samples are counted, those of a log whose stamps are not to be believed too. With --follow, rate of the samples.
     #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<SampleRate>,
-    /// Unit of the gyroscope's numbers: rad/s or deg/s; without it, of a table by the header or told from its turns and noise, else rad/s.
+    /// Unit of the gyroscope's numbers: rad/s, deg/s, mdeg/s, deg/h or rpm; without it, of a table by the header or told from its turns and noise, else rad/s.
     #[arg(long, value_name = "UNIT", value_parser = word::<GyroUnit>)]
     pub(crate) gyro_unit: Option<GyroUnit>,
-    /// Unit of the accelerometer's numbers: m/s^2, g, mg or cm/s^2; without it, of a table by the header or told from gravity, else m/s^2.
+    /// Unit of the accelerometer's numbers: m/s^2, g, mg, cm/s^2 or ft/s^2; without it, of a table by the header or told from gravity, else m/s^2.
     #[arg(long, value_name = "UNIT", value_parser = word::<AccelUnit>)]
     pub(crate) accel_unit: Option<AccelUnit>,
     /// What one of the gyroscope's numbers is, in rad/s, of a log of any kind.

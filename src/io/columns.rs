@@ -1,6 +1,6 @@
 //! Units of a log's columns, and which column is what.
 
-use super::unit::STANDARD_GRAVITY;
+use super::unit::{DEGREE, FOOT, STANDARD_GRAVITY, TURN};
 use dpn_core::named;
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +17,17 @@ named!(
         #[serde(rename = "rad/s")]
         RadPerSecond = "rad/s",
         /// Degrees a second.
-        #[serde(rename = "deg/s")]
+        #[serde(rename = "deg/s", alias = "dps")]
         DegPerSecond = "deg/s",
+        /// Thousandths of a degree a second.
+        #[serde(rename = "mdeg/s", alias = "mdps")]
+        MilliDegPerSecond = "mdeg/s",
+        /// Degrees an hour.
+        #[serde(rename = "deg/h")]
+        DegPerHour = "deg/h",
+        /// Turns a minute.
+        #[serde(rename = "rpm")]
+        TurnPerMinute = "rpm",
     }
 );
 
@@ -27,7 +36,10 @@ impl GyroUnit {
     pub fn factor(self) -> f64 {
         match self {
             Self::RadPerSecond => 1.0,
-            Self::DegPerSecond => std::f64::consts::PI / 180.0,
+            Self::DegPerSecond => DEGREE,
+            Self::MilliDegPerSecond => DEGREE * 1e-3,
+            Self::DegPerHour => DEGREE / 3600.0,
+            Self::TurnPerMinute => TURN / 60.0,
         }
     }
 }
@@ -37,7 +49,7 @@ named!(
     #[derive(Serialize, Deserialize)]
     pub enum AccelUnit {
         /// Metres a second squared.
-        #[serde(rename = "m/s^2")]
+        #[serde(rename = "m/s^2", alias = "m/s2")]
         MetrePerSecond2 = "m/s^2",
         /// Standard gravity, 9.80665 m/s^2.
         #[serde(rename = "g")]
@@ -46,8 +58,11 @@ named!(
         #[serde(rename = "mg")]
         MilliGravity = "mg",
         /// A hundredth of a metre a second squared, a gal.
-        #[serde(rename = "cm/s^2")]
+        #[serde(rename = "cm/s^2", alias = "cm/s2")]
         CentimetrePerSecond2 = "cm/s^2",
+        /// A foot a second squared, 0.3048 m/s^2.
+        #[serde(rename = "ft/s^2", alias = "ft/s2")]
+        FootPerSecond2 = "ft/s^2",
     }
 );
 
@@ -59,6 +74,7 @@ impl AccelUnit {
             Self::StandardGravity => STANDARD_GRAVITY,
             Self::MilliGravity => STANDARD_GRAVITY * 1e-3,
             Self::CentimetrePerSecond2 => 1e-2,
+            Self::FootPerSecond2 => FOOT,
         }
     }
 }

@@ -56,15 +56,24 @@ pub(crate) fn slots(names: &[String], only: Option<Sensor>) -> [bool; 7] {
     found
 }
 
+/// What the caller says, so that the header need not.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Told {
+    /// Stamps are counted.
+    pub counted: bool,
+    /// The units of stamps, gyroscope and accelerometer.
+    pub units: [bool; 3],
+}
+
 /// Finds the columns by their names; of a file with one sensor alone, that one's stand for both.
 ///
 /// # Errors
-/// A column that is missing or named twice; a unit that is not known, or differs between axes.
+/// A column that is missing or named twice; a unit that is not known, or differs between axes, and is not told.
 pub(crate) fn from_header(
     header: &Header,
     path: &Path,
     only: Option<Sensor>,
-    counted: bool,
+    Told { counted, units }: Told,
 ) -> Result<Named, IoError> {
     let mut meanings: Vec<Option<Meaning>> = header.names.iter().map(|name| meaning_in(name, only)).collect();
     let by_apple = apples(&mut meanings);
@@ -85,18 +94,23 @@ pub(crate) fn from_header(
         ],
         Some(sensor) => [triple(&meanings, sensor, header, path, &mut passed)?; 2],
     };
-    let unit_of = |columns: &[usize], slot: usize| -> Result<Option<(String, usize)>, IoError> {
-        let mut said: Option<(String, usize)> = None;
+    let mut overruled = Vec::new();
+    let mut unit_of = |columns: &[usize], slot: usize| -> Result<Option<String>, IoError> {
+        let mut said: Option<String> = None;
         for &column in columns {
             let unit = meanings[column].as_ref().map_or("", |m| &m.unit);
             if unit.is_empty() {
                 continue;
             }
-            let same = said.as_ref().is_none_or(|(before, _)| before == unit);
+            let same = said.as_ref().is_none_or(|before| before == unit);
             if !same || !is_known(unit, slot) {
-                return Err(unknown_unit(header, path, column, unit, slot));
+                if !units[slot.div_ceil(3)] {
+                    return Err(unknown_unit(header, path, column, unit, slot));
+                }
+                overruled.push(format!("the unit as told, not that of `{}`", header.names[column]));
+                return Ok(None);
             }
-            said = Some((unit.to_owned(), column));
+            said = Some(unit.to_owned());
         }
         Ok(said)
     };
@@ -105,9 +119,10 @@ pub(crate) fn from_header(
         _ if sensor == Sensor::Gyro => &gyro[..],
         _ => &accel[..],
     };
-    let time_said = unit_of(&time, 0)?.map(|(unit, _)| unit);
-    let gyro_said = unit_of(of(Sensor::Gyro), 1)?.map(|(unit, _)| unit);
-    let accel_said = unit_of(of(Sensor::Accel), 4)?.map(|(unit, _)| unit);
+    let time_said = unit_of(&time, 0)?;
+    let gyro_said = unit_of(of(Sensor::Gyro), 1)?;
+    let accel_said = unit_of(of(Sensor::Accel), 4)?;
+    passed.append(&mut overruled);
     let word = |column: usize| meanings[column].as_ref().map_or("", |m| m.word);
     if by_apple || APPLES.contains(&word(accel[0])) {
         passed.push(
@@ -266,8 +281,8 @@ pub(crate) fn missing(header: &Header, path: &Path, column: &str) -> IoError {
 fn unknown_unit(header: &Header, path: &Path, column: usize, unit: &str, slot: usize) -> IoError {
     let known = match slot {
         0 => "s, ms, us, ns",
-        1..=3 => "rad/s, deg/s (the same for all axes)",
-        _ => "m/s^2, g, mg, cm/s^2 (the same for all axes)",
+        1..=3 => "rad/s, deg/s, mdeg/s, deg/h, rpm (the same for all axes)",
+        _ => "m/s^2, g, mg, cm/s^2, ft/s^2 (the same for all axes)",
     };
     let (column, unit) = (header.names[column].clone(), unit.to_owned());
     IoError::row(path, header.line, RowFault::UnknownUnit { column, unit, known })
@@ -406,6 +421,10 @@ fn known<U: Copy>(unit: &str, dimension: Dimension, all: &[U], scale: fn(U) -> f
         "degs1" | "degs" | "degsec" | "degpersec" => "deg/s",
         "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => "m/s^2",
         "cms2" | "cmss" | "cms²" | "gal" | "gals" => "cm/s^2",
+        "mdegs" | "mdegsec" => "mdeg/s",
+        "degh" | "deghr" | "deghour" | "degperh" | "degperhr" | "degperhour" => "deg/h",
+        "revmin" | "rmin" => "rpm",
+        "fts2" | "ftss" | "fts²" | "ftsec2" | "ftpers2" => "ft/s^2",
         unit => unit,
     };
     let unit = unit::parse(unit).ok()?;
@@ -421,7 +440,7 @@ mod tests {
     }
 
     fn named(names: &str) -> Result<Named, IoError> {
-        from_header(&header(names), Path::new("f.csv"), None, false)
+        from_header(&header(names), Path::new("f.csv"), None, Told::default())
     }
 
     #[test]
@@ -448,6 +467,15 @@ mod tests {
             (phone.time, phone.gyro, phone.accel),
             (Some(TimeUnit::Micros), Some(GyroUnit::DegPerSecond), Some(AccelUnit::StandardGravity))
         );
+        for (gyro, accel, units) in [
+            ("rpm", "ft/s^2", (GyroUnit::TurnPerMinute, AccelUnit::FootPerSecond2)),
+            ("deg/h", "ft/s2", (GyroUnit::DegPerHour, AccelUnit::FootPerSecond2)),
+            ("°/h", "ft s^-2", (GyroUnit::DegPerHour, AccelUnit::FootPerSecond2)),
+            ("mdps", "m/s²", (GyroUnit::MilliDegPerSecond, AccelUnit::MetrePerSecond2)),
+        ] {
+            let named = named(&format!("t,gx [{gyro}],gy,gz,ax ({accel}),ay,az")).unwrap();
+            assert_eq!((named.gyro, named.accel), (Some(units.0), Some(units.1)), "{gyro}");
+        }
         let long =
             named("t_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,acc_x_m_s_2,acc_y_m_s_2,acc_z_m_s_2").unwrap();
         assert_eq!((long.time, long.accel), (Some(TimeUnit::Seconds), Some(AccelUnit::MetrePerSecond2)));
@@ -502,16 +530,17 @@ mod tests {
     fn a_file_of_one_sensor_needs_no_word_for_it() {
         let path = Path::new("f.csv");
         let named =
-            from_header(&header("time,seconds_elapsed,z,y,x"), path, Some(Sensor::Gyro), false).unwrap();
+            from_header(&header("time,seconds_elapsed,z,y,x"), path, Some(Sensor::Gyro), Told::default())
+                .unwrap();
         assert_eq!(named.columns, ImuColumns::new(0, [4, 3, 2], [4, 3, 2]));
         let phyphox = header("Time (s),X (m/s^2),Y (m/s^2),Z (m/s^2)");
-        let named = from_header(&phyphox, path, Some(Sensor::Accel), false).unwrap();
+        let named = from_header(&phyphox, path, Some(Sensor::Accel), Told::default()).unwrap();
         assert_eq!((named.columns.accel, named.accel), ([1, 2, 3], Some(AccelUnit::MetrePerSecond2)));
         assert_eq!((named.time, named.gyro), (Some(TimeUnit::Seconds), None));
         let long = header(
             "MessageType,utcTimeMillis,elapsedRealtimeNanos,MeasurementX,MeasurementY,MeasurementZ,BiasX,BiasY,BiasZ",
         );
-        let named = from_header(&long, path, Some(Sensor::Gyro), false).unwrap();
+        let named = from_header(&long, path, Some(Sensor::Gyro), Told::default()).unwrap();
         assert_eq!(
             (named.columns.time, named.columns.gyro, named.time),
             (2, [3, 4, 5], Some(TimeUnit::Nanos))
@@ -519,7 +548,7 @@ mod tests {
         let gnss = header(
             "UncalGyro,utcTimeMillis,elapsedRealtimeNanos,UncalGyroXRadPerSec,UncalGyroYRadPerSec,UncalGyroZRadPerSec,DriftXRadPerSec,DriftYRadPerSec,DriftZRadPerSec",
         );
-        let named = from_header(&gnss, path, Some(Sensor::Gyro), false).unwrap();
+        let named = from_header(&gnss, path, Some(Sensor::Gyro), Told::default()).unwrap();
         assert_eq!((named.columns.gyro, named.gyro), ([3, 4, 5], Some(GyroUnit::RadPerSecond)));
     }
 
@@ -532,7 +561,13 @@ mod tests {
         );
         assert_eq!(case("stamp,time,gx,gy,gz,ax,ay,az"), "f.csv:1: columns 1 and 2 both read as `time`");
         assert_eq!(case("t,gx,gy,gz,ax,ay,ay,az"), "f.csv:1: columns 6 and 7 both read as `accel_y`");
-        assert!(case("t,gx [mdps],gy,gz,ax,ay,az").contains("has the unit \"mdps\"; known are rad/s, deg/s"));
+        assert!(
+            case("t,gx [turns],gy,gz,ax,ay,az").contains("has the unit \"turns\"; known are rad/s, deg/s")
+        );
+        let told = Told { units: [false, true, false], ..Told::default() };
+        let named =
+            from_header(&header("t,gx [turns],gy,gz,ax,ay,az"), Path::new("f.csv"), None, told).unwrap();
+        assert_eq!((named.gyro, &named.passed[0][..]), (None, "the unit as told, not that of `gx [turns]`"));
         assert!(case("t,gx [dps],gy [rad/s],gz,ax,ay,az").contains("the same for all axes"));
     }
 }

@@ -10,7 +10,7 @@
 use super::choice::ColumnChoice;
 use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::decimal::TICKS_UNTIL_1970;
-use super::names::{self, Named};
+use super::names::{self, Named, Told};
 use super::row_fault::RowFault;
 use super::rows::Rows;
 use super::{IoError, TimeUnit, guess};
@@ -227,7 +227,8 @@ fn columns(
         return Ok((Settled { value: columns, origin: Origin::Given }, said));
     }
     if let Some(header) = header {
-        let named = names::from_header(header, path, only, counted)?;
+        let units = [options.time.is_some(), options.gyro.is_some(), options.accel.is_some()];
+        let named = names::from_header(header, path, only, Told { counted, units })?;
         let Named { columns, time, fine, gyro, accel, passed } = named;
         return Ok((
             Settled { value: columns, origin: Origin::Header },

@@ -8,6 +8,11 @@ use std::fmt;
 /// Standard gravity, the `g` in which data sheets and sensors count \[m/s^2\].
 pub(crate) const STANDARD_GRAVITY: f64 = 9.806_65;
 
+/// A degree and a whole turn \[rad\], a foot \[m\].
+pub(crate) const DEGREE: f64 = std::f64::consts::PI / 180.0;
+pub(crate) const TURN: f64 = std::f64::consts::TAU;
+pub(crate) const FOOT: f64 = 0.3048;
+
 /// Powers of angle, length and time, in halves: a root hertz is -1 of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Dimension {
@@ -235,7 +240,6 @@ impl Parser<'_> {
 
 /// A unit by its name.
 fn named(word: &str) -> Option<Unit> {
-    const DEGREE: f64 = std::f64::consts::PI / 180.0;
     let angle = Dimension::new(2, 0, 0);
     let length = Dimension::new(0, 2, 0);
     let (time, rate, accel) = (Dimension::TIME, Dimension::RATE, Dimension::ACCELERATION);
@@ -251,11 +255,13 @@ fn named(word: &str) -> Option<Unit> {
         "dps" => (DEGREE, rate),
         "mdps" => (1e-3 * DEGREE, rate),
         "dph" => (DEGREE / 3600.0, rate),
+        "rpm" | "RPM" => (TURN / 60.0, rate),
+        "rev" => (TURN, angle),
         "m" => (1.0, length),
         "cm" => (1e-2, length),
         "mm" => (1e-3, length),
         "um" => (1e-6, length),
-        "ft" | "feet" => (0.3048, length),
+        "ft" | "feet" => (FOOT, length),
         "g" | "G" => (STANDARD_GRAVITY, accel),
         "mg" | "mG" => (1e-3 * STANDARD_GRAVITY, accel),
         "ug" | "uG" => (1e-6 * STANDARD_GRAVITY, accel),

@@ -477,6 +477,35 @@ fn faults() -> Vec<Fault> {
         let (up, level) = (1.2 * sin).sin_cos();
         (v[1], v[4], v[5]) = (v[1] + 4.8 * cos, v[4] + 9.81 * up, v[5] + 9.81 * (level - 1.0));
     });
+    // Waved about two axes.
+    let waved = |bias: f64| {
+        let rate = |t: f64| nalgebra::Vector3::new(1.1 * (1.3 * t).sin(), 0.9 * (0.8 * t).cos(), 0.0);
+        let mut body_from_world = nalgebra::UnitQuaternion::identity();
+        let mut rows = level(8000);
+        for (t, v) in &mut rows {
+            let rate = rate(*t as f64 * 1e-9);
+            body_from_world = nalgebra::UnitQuaternion::from_scaled_axis(-0.005 * rate) * body_from_world;
+            let force = body_from_world * nalgebra::Vector3::new(0.0, 0.0, 9.81);
+            (0..3)
+                .for_each(|k| (v[k], v[3 + k]) = (v[k] + rate[k], v[3 + k] + force[k] - [0.0, 0.0, 9.81][k]));
+            v[1] += bias;
+        }
+        text(&rows)
+    };
+    // On its side, and on its back.
+    let laid = |scale: f64| {
+        changed(6000, move |i, _, v| {
+            let turn = (i as f64 / 200.0 - 14.0).clamp(0.0, 1.0);
+            let (sin, cos) = (std::f64::consts::FRAC_PI_2 * turn).sin_cos();
+            v[0] += if turn > 0.0 && turn < 1.0 { 1.57 } else { 0.0 };
+            (v[4], v[5]) = (scale * (v[4] + 9.81 * sin), v[5] - 9.81 + 9.81 * cos);
+        })
+    };
+    let pasted = text(&{
+        let (mut all, rows) = (level(5000), level(3000));
+        all[3000..].iter_mut().zip(&rows).for_each(|((_, v), (_, again))| *v = *again);
+        all
+    });
     let own = rows(4000, 4_000_000);
     let mut held = rows(6400, 2_500_000);
     held.iter_mut().enumerate().for_each(|(i, (_, v))| v[3..].copy_from_slice(&own[i * 5 / 8].1[3..]));
@@ -504,6 +533,9 @@ fn faults() -> Vec<Fault> {
         ("frozen", "leave these seconds out", told(&stopped, &[]), told(&stopped, &["--from", "7.1"])),
         ("axes", "cut the log there", told(&flipped, &[]), told(&flipped, &["--to", "7.4"])),
         ("axes", "--columns orders them", told(&rolled, &[]), told(&rolled, &["--columns", "1,3,2,4,5,6,7"])),
+        ("bias", "calibrate the gyroscope at rest", (waved(0.5), &[]), (waved(0.0), &[])),
+        ("scale", "on its six sides", (laid(1.05), &[]), (laid(1.0), &[])),
+        ("copies", "leave the second one out", told(&pasted, &[]), told(&pasted, &["--to", "14.9"])),
         ("overflow", "a larger measuring range", (over(1.0), &[]), (over(9.0), &[])),
         ("units", "--accel-unit m/s^2", told(&said_g, &[]), told(&said_g, &["--accel-unit", "m/s^2"])),
         (

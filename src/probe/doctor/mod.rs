@@ -5,7 +5,9 @@
 //! * [`values`]: gravity, units, swapped columns, clipped and dead axes, converter steps.
 //! * `frozen`: sensors that stand still for a while.
 //! * `mixed`: a gyroscope's unit, axes that are others, counters that run over, readings that jump by themselves.
-//! * `turned`: gravity's direction against the gyroscope's turns.
+//! * `turned`: gravity's direction against the gyroscope's turns; `bias`: a bias that these contradict.
+//! * `attitudes`: gravity's length, however the sensor lies.
+//! * `copies`: rows that stand there once more.
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
@@ -16,7 +18,10 @@
 //! Every check runs on what there is: of a clock that jumps the longest part is looked at, and a sample beyond what any IMU measures is named
 //! and left out.
 
+mod attitudes;
+mod bias;
 mod clock;
+mod copies;
 #[cfg(feature = "logs")]
 mod covariance;
 mod frozen;
@@ -145,11 +150,17 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     findings.extend(mixed::overflows(measured)?);
     findings.extend(mixed::jumps(measured)?);
     findings.extend(turned::flips(measured)?);
-    if !findings.iter().any(|found| ["units", "columns", "dead"].contains(&found.about)) {
-        findings.extend(turned::axes(measured)?);
-    }
-    findings.extend(vibration::finding(&spectra));
     let stretches = phases(measured)?;
+    if !findings.iter().any(|found| ["units", "columns", "dead"].contains(&found.about)) {
+        let windows = turned::windows(measured)?;
+        findings.extend(bias::finding(&windows).or_else(|| turned::axes(&windows)));
+        if let Some(of_attitudes) = attitudes::finding(measured, &stretches)? {
+            findings.retain(|found| found.about != "gravity" || !found.warns());
+            findings.push(of_attitudes);
+        }
+    }
+    findings.extend(copies::finding(recording)?);
+    findings.extend(vibration::finding(&spectra));
     findings.extend(motion::findings(measured, &rest, &stretches)?);
     // Without the rows that repeat it has another rate.
     let parts = if is_repeating { rates::parts(measured)? } else { parts };

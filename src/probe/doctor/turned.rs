@@ -13,15 +13,15 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::io;
 
 /// Length of a window and of the steps in it \[s\].
-const WINDOW_S: f64 = 2.0;
+pub(super) const WINDOW_S: f64 = 2.0;
 const STEP_S: f64 = 0.02;
 /// Spread of directions that tells, 10 degrees, and fewest and most windows that have it.
 const TELLS: f64 = 0.03;
-const FEWEST: usize = 8;
+pub(super) const FEWEST: usize = 8;
 const MOST: usize = 200;
 /// Another reading leaves less than this of the spread in the sensor's axes, and the log's own more than twice of that.
-const EXPLAINED: f64 = 0.4;
-const WORSE: f64 = 2.0;
+pub(super) const EXPLAINED: f64 = 0.4;
+pub(super) const WORSE: f64 = 2.0;
 /// Readings that fit nearly as well are not told apart.
 const ALIKE: f64 = 1.3;
 
@@ -30,10 +30,11 @@ const FLIP_STEP_S: f64 = 0.25;
 const FLIP_TURN: f64 = 0.5;
 
 /// Means over a step.
-struct Step {
-    t_s: f64,
-    gyro: Vector3<f64>,
-    force: Vector3<f64>,
+#[derive(Clone)]
+pub(super) struct Step {
+    pub t_s: f64,
+    pub gyro: Vector3<f64>,
+    pub force: Vector3<f64>,
 }
 
 fn steps(recording: &dyn Recorded, step_s: f64, take: &mut dyn FnMut(Step)) -> io::Result<()> {
@@ -61,54 +62,75 @@ fn readings() -> Vec<Matrix3<f64>> {
     orders.into_iter().flat_map(|order| (0..8).map(move |bits| reading(order, bits))).collect()
 }
 
-/// How far directions spread that are turned back by the gyroscope, read so.
-fn spread(window: &[Step], reading: &Matrix3<f64>) -> f64 {
-    let (mut first_from_now, mut sum) = (UnitQuaternion::identity(), Vector3::zeros());
-    for (i, step) in window.iter().enumerate() {
+/// Directions of the specific force, turned back to the window's first by what `turn` makes of the gyroscope's.
+pub(super) fn directions<'a>(
+    window: &'a [Step],
+    turn: impl Fn(Vector3<f64>) -> Vector3<f64> + 'a,
+) -> impl Iterator<Item = Vector3<f64>> + 'a {
+    let mut first_from_now = UnitQuaternion::identity();
+    window.iter().enumerate().map(move |(i, step)| {
         if let Some(before) = i.checked_sub(1).map(|i| &window[i]) {
-            let turn = 0.5 * (before.gyro + step.gyro) * (step.t_s - before.t_s);
-            first_from_now *= UnitQuaternion::from_scaled_axis(reading * turn);
+            let rate = turn(0.5 * (before.gyro + step.gyro));
+            first_from_now *= UnitQuaternion::from_scaled_axis(rate * (step.t_s - before.t_s));
         }
-        sum += first_from_now * step.force.normalize();
-    }
+        first_from_now * step.force.normalize()
+    })
+}
+
+/// How far they spread.
+pub(super) fn spread(window: &[Step], turn: impl Fn(Vector3<f64>) -> Vector3<f64>) -> f64 {
+    let sum: Vector3<f64> = directions(window, turn).sum();
     1.0 - (sum / window.len() as f64).norm_squared()
 }
 
-/// What is to be said of the gyroscope's axes, where the log turns enough to tell.
+/// How far directions spread in the sensor's own axes.
+pub(super) fn still(window: &[Step]) -> f64 {
+    spread(window, |_| Vector3::zeros())
+}
+
+/// Windows in which gravity turns enough to tell, none where these are few.
 ///
 /// # Errors
 /// As [`Samples::piece`](dpn_core::Samples::piece).
-pub(super) fn axes(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
+pub(super) fn windows(recording: &dyn Recorded) -> io::Result<Vec<Vec<Step>>> {
     let many = (WINDOW_S / STEP_S).round().min(WINDOW_S * recording.rate().hz()) as usize;
+    let (mut window, mut found) = (Vec::with_capacity(many), Vec::new());
     if many < 20 {
-        return Ok(None);
+        return Ok(found);
     }
-    let readings = readings();
-    let (mut window, mut found, mut own, mut sums) =
-        (Vec::with_capacity(many), 0, 0.0, vec![0.0; readings.len()]);
     steps(recording, STEP_S, &mut |step| {
         window.push(step);
         if window.len() < many {
             return;
         }
         let is_whole = window[many - 1].t_s - window[0].t_s < 1.2 * WINDOW_S;
-        let still = spread(&window, &Matrix3::zeros());
-        if is_whole && still > TELLS && found < MOST {
-            found += 1;
-            own += still;
-            sums.iter_mut().zip(&readings).for_each(|(sum, reading)| *sum += spread(&window, reading));
+        if is_whole && found.len() < MOST && still(&window) > TELLS {
+            found.push(window.clone());
         }
         window.clear();
     })?;
-    if found < FEWEST || !own.is_finite() {
-        return Ok(None);
+    if found.len() < FEWEST {
+        found.clear();
     }
-    let shares: Vec<f64> = sums.iter().map(|sum| sum / own).collect();
+    Ok(found)
+}
+
+/// What is to be said of the gyroscope's axes, from [`windows`].
+pub(super) fn axes(windows: &[Vec<Step>]) -> Option<Finding> {
+    let own: f64 = windows.iter().map(|window| still(window)).sum();
+    if windows.is_empty() || !own.is_finite() {
+        return None;
+    }
+    let readings = readings();
+    let left = |reading: &Matrix3<f64>| {
+        windows.iter().map(|window| spread(window, |rate| reading * rate)).sum::<f64>()
+    };
+    let shares: Vec<f64> = readings.iter().map(|reading| left(reading) / own).collect();
     let mut order: Vec<usize> = (0..shares.len()).collect();
     order.sort_by(|a, b| shares[*a].total_cmp(&shares[*b]));
     let best = order[0];
     if !(shares[best] < EXPLAINED && shares[0] > WORSE * shares[best]) {
-        return Ok(None);
+        return None;
     }
     let is_alone = shares[order[1]] > ALIKE * shares[best];
     let map = &readings[best];
@@ -133,9 +155,10 @@ pub(super) fn axes(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
         )
     };
     let text = format!(
-        "gravity does not turn as the gyroscope says, in {found} stretches of {WINDOW_S:.0} s{as_read}: one sensor's axes are {words} against the other's"
+        "gravity does not turn as the gyroscope says, in {} stretches of {WINDOW_S:.0} s{as_read}: one sensor's axes are {words} against the other's",
+        windows.len()
     );
-    Ok(Some(Finding::bad("axes", text, remedy)))
+    Some(Finding::bad("axes", text, remedy))
 }
 
 /// Gravity that turns over between two quarters of a second while the gyroscope does not turn.
@@ -174,13 +197,13 @@ pub(super) fn flips(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::doctor::values::tests::level;
     use dpn_core::{ImuRecording, ImuSample};
 
     /// A hand that turns a sensor about all axes, and pushes it.
-    fn waved(change: impl Fn(&mut ImuSample)) -> ImuRecording {
+    pub(crate) fn waved(change: impl Fn(&mut ImuSample)) -> ImuRecording {
         let mut samples = level(40);
         let mut body_from_world = UnitQuaternion::identity();
         for sample in &mut samples {
@@ -201,11 +224,12 @@ mod tests {
 
     #[test]
     fn axes_of_a_gyroscope_that_are_others_are_named_and_right_ones_are_not() {
-        assert_eq!(axes(&waved(|_| {})).unwrap(), None);
-        assert_eq!(axes(&ImuRecording::new(level(40)).unwrap()).unwrap(), None);
+        let axes = |recording: &ImuRecording| axes(&windows(recording).unwrap());
+        assert_eq!(axes(&waved(|_| {})), None);
+        assert_eq!(axes(&ImuRecording::new(level(40)).unwrap()), None);
         // Turned as a whole, or upside down, both are right.
-        assert_eq!(axes(&waved(|s| s.accel = s.accel.map(|v| -v))).unwrap(), None);
-        let text = |change: fn(&mut ImuSample)| axes(&waved(change)).unwrap().expect("a finding").text;
+        assert_eq!(axes(&waved(|s| s.accel = s.accel.map(|v| -v))), None);
+        let text = |change: fn(&mut ImuSample)| axes(&waved(change)).expect("a finding").text;
         let mirrored = text(|s| s.gyro[1] = -s.gyro[1]);
         assert!(
             mirrored.contains("with the gyroscope's x -y z in place of x y z")
