@@ -65,12 +65,24 @@ pub(crate) fn gyro_unit(samples: &dyn Samples) -> io::Result<GyroUnit> {
     if fastest > 36.0 {
         return Ok(GyroUnit::DegPerSecond);
     }
-    let scattered = || Ok::<_, io::Error>(stays_gravity(samples)?.is_some_and(|share| share < STAYS));
+    // Without gravity there is nothing to be turned back.
+    let scattered = || {
+        let is_out = |share| share < STAYS;
+        Ok::<_, io::Error>(has_gravity(samples)? && stays_gravity(samples)?.is_some_and(is_out))
+    };
     Ok(if quiet_gyro_noise(samples)?.is_some_and(|noise| noise > LOUD_GYRO) || scattered()? {
         GyroUnit::DegPerSecond
     } else {
         GyroUnit::RadPerSecond
     })
+}
+
+/// Whether the accelerometer's vector has a length of its own, in any unit: of an acceleration from which gravity was taken it is anything.
+fn has_gravity(samples: &dyn Samples) -> io::Result<bool> {
+    let mut lengths = Vec::new();
+    thinned(samples, &mut |s| lengths.push(norm(s.accel)))?;
+    let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| stats::quantile(&lengths, share));
+    Ok(high - low < middle)
 }
 
 /// Length of the mean of the accelerometer's vectors, turned back as the numbers say were they rad/s, in lengths of the vector: the median over
@@ -171,6 +183,16 @@ mod tests {
             assert_eq!(gyro_unit(&rad.as_slice()).unwrap(), GyroUnit::RadPerSecond, "{swing}");
             assert_eq!(gyro_unit(&degrees.as_slice()).unwrap(), GyroUnit::DegPerSecond, "{swing}");
         }
+    }
+
+    #[test]
+    fn without_gravity_a_gyroscope_that_turns_is_not_taken_for_one_in_degrees() {
+        let mut without = samples(1.0);
+        for s in &mut without {
+            s.accel =
+                std::array::from_fn(|axis| (0.37 * s.t.ns() as f64 * 1e-6 + axis as f64).sin() * s.gyro[0]);
+        }
+        assert_eq!(gyro_unit(&without.as_slice()).unwrap(), GyroUnit::RadPerSecond);
     }
 
     #[test]

@@ -69,7 +69,7 @@ pub fn has_stamps(head: &[u8], sensor: Sensor) -> bool {
 }
 
 /// The only sensor of a table, by its first lines: the one that its header names, or whose three columns behind the stamp have gravity's length or not. None
-/// where it has both, or no stamp.
+/// where it has both, or no stamp; of bare axes under a header the accelerometer's alone are told.
 pub fn only_sensor(head: &[u8], counted: bool) -> Option<Sensor> {
     let is_only = |sensor: Sensor| {
         let rows = open(head, Path::new(""), Some(sensor)).ok()?;
@@ -84,15 +84,25 @@ pub fn only_sensor(head: &[u8], counted: bool) -> Option<Sensor> {
     if let Some(sensor) = Sensor::ALL.into_iter().find_map(is_only) {
         return Some(sensor);
     }
-    let mut rows =
-        open(head, Path::new(""), None).ok().filter(|rows| rows.header().is_none() && rows.width() == 4)?;
+    // A stamp and bare axes are either's.
+    let is_bare = |rows: &Rows<'_>| {
+        rows.header().is_none_or(|header| {
+            slots(&header.names, Some(Sensor::Gyro)) == [true; 7] && slots(&header.names[..1], None)[0]
+        })
+    };
+    let mut rows = open(head, Path::new(""), Some(Sensor::Gyro))
+        .ok()
+        .filter(|rows| rows.width() == 4 && is_bare(rows))?;
     let mut lengths = Vec::new();
     while matches!(rows.advance(), Ok(true)) {
         let axes = rows.numbers([1, 2, 3], ["axis"; 3]);
         lengths.extend(axes.map(|v| v.into_iter().map(|v| v * v).sum::<f64>().sqrt()));
     }
-    let is_accel = guess::is_gravity(median_of(lengths)?);
-    Some(if is_accel { Sensor::Accel } else { Sensor::Gyro })
+    // What has a header and not gravity's length may be a path.
+    match guess::is_gravity(median_of(lengths)?) {
+        true => Some(Sensor::Accel),
+        false => rows.header().is_none().then_some(Sensor::Gyro),
+    }
 }
 
 /// Whether the names of a table mean a stamp and all axes of both sensors.

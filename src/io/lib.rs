@@ -27,6 +27,7 @@ pub mod calibration;
 mod choice;
 mod columns;
 pub mod config;
+mod date;
 mod decimal;
 mod error;
 mod fields;

@@ -346,12 +346,20 @@ mod tests {
     }
 
     #[test]
-    fn stamps_that_are_times_of_day_are_named_and_not_called_too_few() {
-        let header = "time,gx,gy,gz,ax,ay,az\n";
-        let rows: String = (0..30).map(|i| format!("10:11:{i:02}.000,0,0,0,0,0,9.81\n")).collect();
-        let error = read(&format!("{header}{rows}")).unwrap_err();
+    fn stamps_that_are_dates_or_times_of_day_are_read_and_others_are_named() {
+        let header = "time [s],gx,gy,gz,ax,ay,az\n";
+        let of = |date: &str| {
+            let row = |i: usize| format!("{date}10:11:{:02}.{:02},0,0,0,0,0,9.81\n", i / 100, i % 100);
+            read(&format!("{header}{}", (0..300).map(row).collect::<String>()))
+        };
+        for (date, first) in [("", 36_660_000_000_000), ("2023-10-29 ", 1_698_574_260_000_000_000)] {
+            let log = of(date).unwrap();
+            let samples = log.recording.piece(0..300).unwrap().into_owned();
+            assert_eq!((samples[0].t.ns(), samples[299].t.ns() - first), (first, 2_990_000_000));
+        }
+        let error = of("29.10.2023 ").unwrap_err();
         assert!(error.to_string().starts_with("log.csv:2: "), "{error}");
-        assert!(error.hint().unwrap().contains("time of day"), "{:?}", error.hint());
+        assert!(error.hint().unwrap().contains("year first"), "{:?}", error.hint());
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::row_fault::RowFault;
 use super::rows::Header;
 use super::unit::{self, Dimension};
-use super::words::{ACCEL, APPLES, GYRO, INTERVALS, NANOS, TIME, WITHOUT_GRAVITY, Word};
+use super::words::{ACCEL, APPLES, GYRO, INTERVALS, MAY_LACK_GRAVITY, NANOS, TIME, WITHOUT_GRAVITY, Word};
 use super::{IoError, TimeUnit};
 use dpn_core::Sensor;
 use std::path::Path;
@@ -24,6 +24,8 @@ pub(crate) struct Named {
     pub fine: bool,
     pub gyro: Option<GyroUnit>,
     pub accel: Option<AccelUnit>,
+    /// The columns of gravity may be of what is in the accelerometer's too: the numbers say.
+    pub gravity_may_be_in: bool,
     /// Columns that could have been meant too.
     pub passed: Vec<String>,
 }
@@ -130,14 +132,12 @@ pub(crate) fn from_header(
                 .to_owned(),
         );
     }
-    let gravity =
-        WITHOUT_GRAVITY.iter().find(|(user, _)| *user == word(accel[0])).and_then(|(_, gravity)| {
-            let at = |axis| header.names.iter().position(|name| reduced(name) == format!("{gravity}{axis}"));
-            Some([at('x')?, at('y')?, at('z')?])
-        });
-    if let Some(axes) = gravity {
-        passed.push(format!("`{}` added to `{}`", header.names[axes[0]], header.names[accel[0]]));
-    }
+    let of_user = WITHOUT_GRAVITY.iter().filter(|(user, _)| *user == word(accel[0]));
+    let gravity = of_user.into_iter().find_map(|(_, gravity)| {
+        let without_unit = |name: &str| reduced(name.split(['[', '(']).next().unwrap_or(name));
+        let at = |axis| header.names.iter().position(|name| without_unit(name) == format!("{gravity}{axis}"));
+        Some([at('x')?, at('y')?, at('z')?])
+    });
     let nanos = time
         .first()
         .map_or("", |time| word(*time))
@@ -162,6 +162,7 @@ pub(crate) fn from_header(
         },
         time: time_said.as_deref().and_then(time_unit),
         fine: time_said.as_deref() == Some("fine"),
+        gravity_may_be_in: MAY_LACK_GRAVITY.contains(&word(accel[0])),
         gyro: gyro_said.as_deref().and_then(gyro_unit),
         accel: accel_said.as_deref().and_then(accel_unit),
         passed,
@@ -456,6 +457,7 @@ mod tests {
                 columns: ImuColumns::ASL,
                 time: Some(TimeUnit::Nanos),
                 fine: false,
+                gravity_may_be_in: false,
                 gyro: Some(GyroUnit::RadPerSecond),
                 accel: Some(AccelUnit::MetrePerSecond2),
                 passed: Vec::new(),

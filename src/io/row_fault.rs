@@ -121,20 +121,23 @@ impl RowFault {
                 "trajectories are held against each other by `dpn ape`, against a log by `dpn noise LOG --against FILE`; if it is a log, say --columns T,GX,GY,GZ,AX,AY,AZ"
             }
             Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
-            Self::BadNumber { text, .. } if text.contains(':') => {
-                "a date or a time of day is no number: write stamps as seconds, ms, us or ns, or name another column for them (--columns)"
+            Self::BadNumber { text, .. } | Self::BadStamp { text, .. } if text.contains(':') => {
+                "dates are read year first (2023-10-29T02:59:40.25+01:00), times of day as 02:59:40.25: write them so or in seconds, ms, us or ns, or count the samples (--rate HZ)"
+            }
+            Self::BadNumber { text, .. } if text.is_empty() => {
+                "an empty field is no number: mend or delete the line; of rows that have one sensor each make a file a sensor, gyro.csv and accel.csv in a folder, and give that"
             }
             Self::BadNumber { .. } | Self::NotFinite { .. } => {
                 "mend or delete the line; nothing is skipped silently"
             }
             Self::BadStamp { .. } => {
-                "mend the line, or name the stamps' unit (--time-unit s, ms, us, ns) or column (--columns)"
+                "mend the line, name another column for the stamps (--columns) or write them as decimal numbers in s, ms, us or ns; or count the samples (--rate HZ)"
             }
             Self::TimeNotIncreasing { prev_ns, t_ns, .. } if prev_ns == t_ns => {
                 "two rows share a stamp: drop one, or write stamps with more digits"
             }
             Self::TimeNotIncreasing { .. } => BACK,
-            Self::NotUtf8 => "save the file as UTF-8 text; a binary or UTF-16 file cannot be read",
+            Self::NotUtf8 => "save the file as UTF-8 text; a binary file cannot be read as text",
             Self::BadQuaternion { .. } => {
                 "look at the order: ASL has w x y z, TUM has x y z w after the position"
             }

@@ -6,6 +6,7 @@
 //! field after a delimiter at the end of a row is dropped.
 
 use super::IoError;
+use super::date;
 use super::decimal::{TimeUnit, parse_stamp};
 use super::fields::{self, Delimiter, MOST_FIELDS, comment, is_number, names_time, shown, take_line};
 use super::printable;
@@ -213,6 +214,11 @@ impl<'a> Rows<'a> {
             if self.fields.len() != self.width {
                 self.delimiter.split_quoted(text, &mut self.fields);
             }
+            // A row's last field may be empty, a table's last column too.
+            let ends = matches!(self.delimiter, Delimiter::Byte(byte) if text.ends_with(&[byte]));
+            if ends && self.fields.len() + 1 == self.width {
+                self.fields.push(b"");
+            }
             if self.fields.len() != self.width {
                 return Err(self.field_count(self.width));
             }
@@ -254,16 +260,21 @@ impl<'a> Rows<'a> {
     /// The current row's field `column` as a stamp.
     ///
     /// # Errors
-    /// No decimal number, or a time out of range.
+    /// No decimal number and no date, or a time out of range.
     pub(crate) fn stamp(&self, column: usize, unit: TimeUnit) -> Result<Stamp, IoError> {
         let field = self.field(column)?;
         let comma = || parse_stamp(&fields::with_point(field)?, unit);
-        parse_stamp(field, unit).or_else(comma).ok_or_else(|| {
+        parse_stamp(field, unit).or_else(comma).or_else(|| date::parse(field)).ok_or_else(|| {
             self.fault(match std::str::from_utf8(field) {
                 Err(_) => RowFault::NotUtf8,
                 Ok(_) => RowFault::BadStamp { text: shown(field), unit: unit.name() },
             })
         })
+    }
+
+    /// The current row's field `column`, where it is a date or a time of day.
+    pub(crate) fn date(&self, column: usize) -> Option<Stamp> {
+        date::parse(self.fields.get(column)?)
     }
 
     /// The same, later than `prev`.
@@ -379,7 +390,7 @@ mod tests {
         assert_eq!(case(b"1,2\n2,NaN\n"), "f.csv:2: v is \"NaN\"; every value must be finite");
         assert_eq!(case(b"1,2\n2,1e999\n"), "f.csv:2: v is \"1e999\"; every value must be finite");
         assert_eq!(case(b"1,2\n2,\xff\xfe\n"), "f.csv:2: not UTF-8 text");
-        assert_eq!(case(b"1,2\n2,\n"), "f.csv:2: 1 fields, expected 2");
+        assert_eq!(case(b"1,2\n2,\n"), "f.csv:2: v is \"\", not a number");
         assert_eq!(case(b"1,2\n,2\n"), "f.csv:2: v is \"\", not a number");
         assert_eq!(case(b"#time,x\n"), "f.csv: no row of data");
         assert_eq!(case(b""), "f.csv: no row of data");

@@ -108,8 +108,9 @@ impl Understood {
         let likely = |value: &TimeUnit| {
             first().is_ok_and(|first| first.step().is_none_or(|step| step * value.seconds() > FASTEST_S))
         };
+        let are_dates = first().is_ok_and(|first| first.are_dates);
         let time = match (first_said(options.time, said.time.or(seconds)), time.filter(likely)) {
-            _ if counted.is_some() => Settled { value: TimeUnit::Nanos, origin: Origin::Given },
+            _ if counted.is_some() || are_dates => Settled { value: TimeUnit::Nanos, origin: Origin::Given },
             (Some(said), _) => said,
             (None, Some(value)) => Settled { value, origin: Origin::Assumed },
             (None, None) => {
@@ -125,6 +126,10 @@ impl Understood {
             }
         };
         let mut passed = said.passed;
+        if are_dates {
+            passed
+                .push("stamps are dates or times of day, of UTC where no zone stands beside them".to_owned());
+        }
         let differs = |sensor: &str, told: Option<&'static str>, said: Option<&'static str>| {
             let (told, said) = told.zip(said).filter(|(told, said)| told != said)?;
             Some(format!("{sensor} in {told} as told, though the header says {said}"))
@@ -229,7 +234,12 @@ fn columns(
     if let Some(header) = header {
         let units = [options.time.is_some(), options.gyro.is_some(), options.accel.is_some()];
         let named = names::from_header(header, path, only, Told { counted, units })?;
-        let Named { columns, time, fine, gyro, accel, passed } = named;
+        let Named { mut columns, time, fine, gyro, accel, gravity_may_be_in, mut passed } = named;
+        columns.gravity =
+            columns.gravity.filter(|axes| !gravity_may_be_in || lacks_gravity(rows, columns.accel, *axes));
+        if let Some(axes) = columns.gravity {
+            passed.push(format!("`{}` added to `{}`", header.names[axes[0]], header.names[columns.accel[0]]));
+        }
         return Ok((
             Settled { value: columns, origin: Origin::Header },
             Said { time, fine, gyro, accel, passed },
@@ -252,6 +262,21 @@ fn columns(
     };
     let origin = if value == ImuColumns::ROS2_ECHO { Origin::Guessed } else { Origin::Assumed };
     Ok((Settled { value, origin }, Said::default()))
+}
+
+/// Whether an acceleration is what is left of one from which that gravity was taken: much shorter, by the medians of the first rows.
+fn lacks_gravity(rows: &Rows<'_>, accel: [usize; 3], gravity: [usize; 3]) -> bool {
+    const ROWS: usize = 1000;
+    let mut rows = rows.clone();
+    let mut lengths = [Vec::new(), Vec::new()];
+    while lengths[1].len() < ROWS && matches!(rows.advance(), Ok(true)) {
+        let both = [accel, gravity].map(|axes| rows.numbers(axes, ["a number"; 3]));
+        for (lengths, axes) in lengths.iter_mut().zip(both) {
+            lengths.extend(axes.map(|v| v.into_iter().map(|v| v * v).sum::<f64>().sqrt()));
+        }
+    }
+    let [accel, gravity] = lengths.map(|lengths| median_of(lengths).unwrap_or(0.0));
+    accel < 0.5 * gravity
 }
 
 /// Whether the last four columns of a table as wide as a trajectory's are unit quaternions.
@@ -319,6 +344,8 @@ fn several(table: &Rows<'_>, stamp: usize) -> IoError {
 #[derive(Debug)]
 struct FirstRows {
     stamps: Vec<f64>,
+    /// The stamps are dates or times of day, here in nanoseconds.
+    are_dates: bool,
     intervals: Vec<f64>,
 }
 
@@ -341,10 +368,17 @@ fn first_rows(
     stamped: bool,
 ) -> Result<FirstRows, IoError> {
     const ROWS: usize = 1000;
-    let mut first = FirstRows { stamps: Vec::with_capacity(ROWS), intervals: Vec::new() };
+    let mut first = FirstRows { stamps: Vec::with_capacity(ROWS), are_dates: false, intervals: Vec::new() };
     let mut passed = None;
     while first.stamps.len() < ROWS {
-        let stamp = |rows: &Rows<'_>| if stamped { rows.number(columns.time, SLOTS[0]) } else { Ok(0.0) };
+        let mut stamp = |rows: &Rows<'_>| match rows.date(columns.time).filter(|_| stamped) {
+            Some(date) => {
+                first.are_dates = true;
+                Ok(date.ns() as f64)
+            }
+            None if stamped => rows.number(columns.time, SLOTS[0]),
+            None => Ok(0.0),
+        };
         match rows.advance().and_then(|more| more.then(|| stamp(&rows)).transpose()) {
             Ok(None) => break,
             Ok(Some(stamp)) => first.stamps.push(stamp),

@@ -90,7 +90,7 @@ pub(super) const GYRO: [Word; 23] = [
     ("gyrointegralrad", 1, "rads"),
 ];
 /// Of accelerometers, without the axis.
-pub(super) const ACCEL: [Word; 28] = [
+pub(super) const ACCEL: [Word; 30] = [
     ("a", 2, ""),
     ("arss", 3, ""),
     ("acc", 3, ""),
@@ -118,15 +118,31 @@ pub(super) const ACCEL: [Word; 28] = [
     ("accelerometeruncalibrated", 1, ""),
     ("deltavelocity", 1, "ms2"),
     ("accelerometerintegralms", 1, "ms2"),
+    ("useracc", 0, ""),
+    ("useraccel", 0, ""),
     ("useracceleration", 0, ""),
     ("motionuseracceleration", 0, ""),
 ];
-/// Of accelerations from which Apple's Core Motion took gravity, and of that gravity.
-pub(super) const WITHOUT_GRAVITY: [(&str, &str); 2] =
-    [("useracceleration", "gravity"), ("motionuseracceleration", "motiongravity")];
+/// Of accelerations from which gravity was taken, by Apple's Core Motion or where their numbers say so ([`MAY_LACK_GRAVITY`]), and of that gravity.
+pub(super) const WITHOUT_GRAVITY: [(&str, &str); 12] = [
+    ("useracceleration", "gravity"),
+    ("motionuseracceleration", "motiongravity"),
+    ("useracc", "gravity"),
+    ("useracc", "grav"),
+    ("useraccel", "gravity"),
+    ("useraccel", "grav"),
+    ("linacc", "gravity"),
+    ("linacc", "grav"),
+    ("linaccel", "gravity"),
+    ("linearacc", "gravity"),
+    ("linearacceleration", "gravity"),
+    ("linearacceleration", "grav"),
+];
+/// Of those the ones that robots give to what has gravity in it.
+pub(super) const MAY_LACK_GRAVITY: [&str; 4] = ["linacc", "linaccel", "linearacc", "linearacceleration"];
 /// Of accelerometers that read -1 g upwards, as Apple's do.
-pub(super) const APPLES: [&str; 3] =
-    ["accelerometeracceleration", "useracceleration", "motionuseracceleration"];
+pub(super) const APPLES: [&str; 5] =
+    ["accelerometeracceleration", "useracceleration", "motionuseracceleration", "useracc", "useraccel"];
 /// Of words for what was gained over an interval, those for the interval.
 pub(super) const INTERVALS: [(&str, &str); 4] = [
     ("deltaangle", "deltaangledt"),

@@ -75,6 +75,7 @@ mod messages;
 mod options;
 mod oxiod;
 mod packed;
+mod plain;
 #[cfg(feature = "images")]
 mod poses;
 mod read;

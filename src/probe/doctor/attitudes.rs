@@ -75,7 +75,7 @@ fn mended(forces: &[Vector3<f64>], axis: usize, is_scale: bool) -> (f64, f64) {
 /// As [`Samples::piece`](dpn_core::Samples::piece).
 pub(super) fn finding(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<Finding>> {
     let forces = attitudes(recording, stretches)?;
-    let lengths = || forces.iter().map(|force| force.norm());
+    let lengths = || forces.iter().map(Vector3::norm);
     let (low, high) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
     if forces.len() < 2 || high - low < SPREAD || low < 0.5 * GRAVITY || high > 1.5 * GRAVITY {
         return Ok(None);

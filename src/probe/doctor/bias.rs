@@ -4,10 +4,13 @@
 //! Along gravity a bias turns nothing, so what is found there is held near zero. It is named where it leaves less than half of the spread, little of the
 //! spread in the sensor's axes, and where every other window says the same.
 
-use super::turned::{EXPLAINED, FEWEST, Step, WINDOW_S, WORSE, directions, spread, still};
+use super::turned::{EXPLAINED, FEWEST, Step, WINDOW_S, WORSE, directions, spread, steps, still};
 use crate::finding::Finding;
+use dpn_core::Recorded;
 use nalgebra::{Matrix3, Vector3};
+use std::io;
 
+const REMEDY: &str = "take it off before an estimator is fed: calibrate the gyroscope at rest, and look at its temperature and at the driver's offsets";
 /// A bias from which it is one \[rad/s\], as at rest.
 const LARGE: f64 = 0.2;
 /// How far every other window's may be from the rest's, relative.
@@ -15,30 +18,44 @@ const APART: f64 = 0.25;
 /// Weight of a window's word against zero: what a bias across gravity changes in it counts for some thirty.
 const PRIOR: f64 = 0.3;
 
-/// What turns the force's direction from step to step that the gyroscope does not say: a bias, about \[rad/s\].
-fn guess(windows: &[Vec<Step>]) -> Vector3<f64> {
-    let (mut across, mut turns) = (Matrix3::zeros(), Vector3::zeros());
-    for pair in windows.iter().flat_map(|window| window.windows(2)) {
-        let [a, b] = [&pair[0], &pair[1]];
+/// What turns the force's direction from step to step that the gyroscope does not say, as a least-squares problem for a bias.
+#[derive(Default)]
+struct Unsaid {
+    across: Matrix3<f64>,
+    turns: Vector3<f64>,
+    count: f64,
+}
+
+impl Unsaid {
+    fn add(&mut self, a: &Step, b: &Step) {
         let middle = (a.force.normalize() + b.force.normalize()).normalize();
         let turned = (b.force.normalize() - a.force.normalize()) / (b.t_s - a.t_s);
         let rate = turned + (0.5 * (a.gyro + b.gyro)).cross(&middle);
-        // d/dt u = -(w - b) x u: what is left over is b x u.
-        across += Matrix3::identity() - middle * middle.transpose();
-        turns += middle.cross(&rate);
+        if rate.iter().all(|v| v.is_finite()) {
+            // d/dt u = -(w - b) x u: what is left over is b x u.
+            self.across += Matrix3::identity() - middle * middle.transpose();
+            self.turns += middle.cross(&rate);
+            self.count += 1.0;
+        }
     }
-    let prior = Matrix3::identity() * PRIOR * windows.len() as f64;
-    (across + prior).cholesky().map_or(Vector3::zeros(), |all| all.solve(&turns))
+
+    /// The bias, held near zero along gravity \[rad/s\].
+    fn bias(&self) -> Vector3<f64> {
+        /// Weight against zero of a step's word.
+        const PRIOR: f64 = 0.01;
+        let normal = self.across + Matrix3::identity() * (PRIOR * self.count + 1e-9);
+        normal.cholesky().map_or(Vector3::zeros(), |normal| normal.solve(&self.turns))
+    }
 }
 
 /// The constant rate with which directions spread least, sought from `bias` on \[rad/s\].
-fn fit<'a>(windows: impl Iterator<Item = &'a Vec<Step>> + Clone, mut bias: Vector3<f64>) -> Vector3<f64> {
+fn fit(windows: &[&Vec<Step>], mut bias: Vector3<f64>) -> Vector3<f64> {
     /// Rate by which derivatives are taken \[rad/s\].
     const SMALL: f64 = 1e-4;
-    let count = windows.clone().count() as f64;
+    let count = windows.len() as f64;
     for _ in 0..10 {
         let (mut normal, mut side) = (Matrix3::identity() * PRIOR * count, -PRIOR * count * bias);
-        for window in windows.clone() {
+        for window in windows {
             let of = |bias: Vector3<f64>| {
                 let all: Vec<Vector3<f64>> = directions(window, |rate| rate - bias).collect();
                 let mean = all.iter().sum::<Vector3<f64>>() / all.len() as f64;
@@ -64,15 +81,19 @@ fn fit<'a>(windows: impl Iterator<Item = &'a Vec<Step>> + Clone, mut bias: Vecto
 
 /// What is to be said, from windows in which gravity turns.
 pub(super) fn finding(windows: &[Vec<Step>]) -> Option<Finding> {
-    let guess = guess(windows);
+    let mut unsaid = Unsaid::default();
+    windows.iter().flat_map(|window| window.windows(2)).for_each(|pair| unsaid.add(&pair[0], &pair[1]));
+    let guess = unsaid.bias();
     if windows.len() < FEWEST || guess.norm() < 0.5 * LARGE {
         return None;
     }
     let sum = |of: &dyn Fn(&[Step]) -> f64| windows.iter().map(|window| of(window)).sum::<f64>();
-    let bias = fit(windows.iter(), guess);
+    let all: Vec<&Vec<Step>> = windows.iter().collect();
+    let bias = fit(&all, guess);
     let left = |bias: Vector3<f64>| sum(&|window| spread(window, |rate| rate - bias));
     let (own, as_read, without) = (sum(&|window| still(window)), left(Vector3::zeros()), left(bias));
-    let halves = || [0, 1].map(|first| fit(windows.iter().skip(first).step_by(2), bias));
+    let half = |first: usize| all.iter().copied().skip(first).step_by(2).collect::<Vec<_>>();
+    let halves = || [0, 1].map(|first| fit(&half(first), bias));
     let is_so = bias.norm() > LARGE
         && without < EXPLAINED * own
         && as_read > WORSE * without
@@ -85,8 +106,43 @@ pub(super) fn finding(windows: &[Vec<Step>]) -> Option<Finding> {
             bias.y,
             bias.z
         );
-        Finding::bad("bias", text, "take it off before an estimator is fed: calibrate the gyroscope at rest, and look at its temperature and at the driver's offsets")
+        Finding::bad("bias", text, REMEDY)
     })
+}
+
+/// Parts of a log of which each must say the same, and the shortest log \[s\].
+const PARTS: usize = 6;
+const LEAST_S: f64 = 30.0;
+/// A bias from which it is one of a log in which gravity's direction stays where it is \[rad/s\].
+const HUGE: f64 = 0.35;
+
+/// The same of a log as a whole, whether gravity turns in it or not, as of what flies: over a minute no body turns on and on across what it feels as gravity.
+/// Only what circles with a bank all the time does, so that all parts of the log must say the same and it is no more than a warning.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(super) fn throughout(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
+    let length_s = recording.length_s();
+    if length_s < LEAST_S {
+        return Ok(None);
+    }
+    let (mut parts, mut last): ([Unsaid; PARTS], Option<Step>) = Default::default();
+    steps(recording, 0.1, &mut |step| {
+        let part = ((PARTS as f64 * step.t_s / length_s) as usize).min(PARTS - 1);
+        if let Some(before) = last.replace(step.clone()).filter(|before| step.t_s - before.t_s < 0.3) {
+            parts[part].add(&before, &step);
+        }
+    })?;
+    let all = parts.iter().map(Unsaid::bias).collect::<Vec<_>>();
+    let bias = all.iter().sum::<Vector3<f64>>() / PARTS as f64;
+    let is_so = bias.norm() > HUGE && all.iter().all(|part| (part - bias).norm() < APART * bias.norm());
+    Ok(is_so.then(|| {
+        let text = format!(
+            "all the time the gyroscope turns across gravity, x {:.2}, y {:.2}, z {:.2} rad/s, and gravity stays where it is: a bias, if nothing circles banked throughout",
+            bias.x, bias.y, bias.z
+        );
+        Finding::warning("bias", text, REMEDY)
+    }))
 }
 
 #[cfg(test)]
@@ -94,13 +150,15 @@ mod tests {
     use super::*;
     use crate::doctor::turned::tests::waved;
     use crate::doctor::turned::windows;
+    use crate::doctor::values::tests::level;
+    use dpn_core::ImuRecording;
 
     #[test]
     fn a_bias_in_motion_is_found_with_its_figures_and_a_small_one_or_a_swapped_axis_is_none() {
         let of = |bias: [f64; 3]| {
             let biased = waved(|s| (0..3).for_each(|axis| s.gyro[axis] += bias[axis]));
             let windows = windows(&biased).unwrap();
-            (fit(windows.iter(), guess(&windows)), finding(&windows))
+            (fit(&windows.iter().collect::<Vec<_>>(), Vector3::zeros()), finding(&windows))
         };
         for bias in [[0.5, 0.0, 0.0], [0.0, -0.3, 0.2], [0.1, 0.2, 1.0]] {
             let (found, said) = of(bias);
@@ -109,5 +167,22 @@ mod tests {
         }
         assert_eq!(of([0.0, 0.05, 0.0]).1, None);
         assert_eq!(finding(&windows(&waved(|s| s.gyro.swap(0, 2))).unwrap()), None);
+    }
+
+    #[test]
+    fn a_bias_of_what_flies_is_a_warning_and_turns_to_and_fro_are_none() {
+        let of = |bias: f64| {
+            let mut samples = level(60);
+            for s in &mut samples {
+                let t = s.t.ns() as f64 * 1e-9;
+                s.gyro[0] += bias + 0.8 * (1.7 * t).sin();
+                s.gyro[2] += 0.6 * (0.3 * t).cos();
+                s.accel[0] += 0.7 * (2.3 * t).sin();
+            }
+            throughout(&ImuRecording::new(samples).unwrap()).unwrap().map(|found| found.text)
+        };
+        assert_eq!(of(0.0), None);
+        let text = of(0.5).unwrap();
+        assert!(text.contains("x 0.5") && text.contains("y -0.0") | text.contains("y 0.0"), "{text}");
     }
 }

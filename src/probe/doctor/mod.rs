@@ -7,6 +7,7 @@
 //! * `mixed`: a gyroscope's unit, axes that are others, counters that run over, readings that jump by themselves.
 //! * `turned`: gravity's direction against the gyroscope's turns; `bias`: a bias that these contradict.
 //! * `attitudes`: gravity's length, however the sensor lies.
+//! * `held`: a sensor slower than its rows, in motion.
 //! * `copies`: rows that stand there once more.
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
@@ -25,6 +26,7 @@ mod copies;
 #[cfg(feature = "logs")]
 mod covariance;
 mod frozen;
+mod held;
 mod kept;
 mod mixed;
 pub mod motion;
@@ -153,7 +155,11 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let stretches = phases(measured)?;
     if !findings.iter().any(|found| ["units", "columns", "dead"].contains(&found.about)) {
         let windows = turned::windows(measured)?;
-        findings.extend(bias::finding(&windows).or_else(|| turned::axes(&windows)));
+        let of_turns = bias::finding(&windows).or_else(|| turned::axes(&windows));
+        findings.extend(match of_turns {
+            None if !findings.iter().any(|found| found.about == "bias") => bias::throughout(measured)?,
+            found => found,
+        });
         if let Some(of_attitudes) = attitudes::finding(measured, &stretches)? {
             findings.retain(|found| found.about != "gravity" || !found.warns());
             findings.push(of_attitudes);
@@ -168,6 +174,9 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     // Where rows repeat, both sensors are held.
     let of_rest = at_rest.iter().flat_map(RestNoise::findings);
     findings.extend(of_rest.filter(|f| !is_repeating || f.about != "held"));
+    if !is_repeating && !findings.iter().any(|found| found.about == "held") {
+        findings.extend(held::finding(measured)?);
+    }
     let noise = |sensor| {
         let of = at_rest.as_ref()?.sensors.iter().find(|noise| noise.sensor == sensor)?;
         Some(of.densities()?.iter().map(|density| density.value).fold(0.0, f64::max))
