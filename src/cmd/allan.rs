@@ -2,7 +2,7 @@
 
 use super::{apart, log, noise};
 use crate::args::AllanArgs;
-use crate::ui::{out, outln, print_pictures, results};
+use crate::ui::{out, outln, print_pictures, refuse, results};
 use anyhow::Result;
 use dpn_figures::{allan_plot, save};
 use dpn_probe::allan::compare::{FigureCheck, compare};
@@ -13,7 +13,12 @@ use std::path::PathBuf;
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let read: Vec<&PathBuf> = [&args.log.path].into_iter().chain(&args.check).collect();
     apart::folder("--out", &args.out, &["allan.json", "allan.svg", "allan.png", "allan.csv"], &read)?;
-    let recording = log::read(&args.log)?.recording.held()?;
+    let log = log::read(&args.log)?;
+    if log.alone.is_some() {
+        let hint = "`dpn noise LOG` says its white noise at rest; or give the folder in which the other sensor's file lies too";
+        return refuse("an Allan plot is of both sensors, and the log has one alone", hint);
+    }
+    let recording = log.recording.held()?;
     // A configuration that cannot be read should not cost a fit.
     let config = noise::config(args.check.as_deref(), args.check_as, recording.rate())?;
     let allan = AllanLog::of(&recording, args.all)?;

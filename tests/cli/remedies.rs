@@ -388,6 +388,8 @@ fn of_a_log_with_one_sensor_alone_is_said_what_can_be() {
                 && done.stdout.starts_with("6000 samples, 30.0 s, 200.00 Hz"),
             "{done:?}"
         );
+        let allan = run(&["allan"], &log, &[]);
+        assert!(allan.code == Some(2) && allan.stderr.contains("`dpn noise LOG` says its"), "{allan:?}");
         assert_eq!(
             done.stdout.contains("gravity: the accelerometer reads 9.8"),
             words == "accelerometer",
