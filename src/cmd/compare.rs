@@ -6,6 +6,7 @@ use crate::ui::{Fault, out, print_pictures, refuse, results};
 use anyhow::Result;
 use dpn_figures::{save_if_any, spectra_of_two};
 use dpn_io::printable;
+use dpn_probe::Finding;
 use dpn_probe::compare::{Comparison, Side};
 use dpn_probe::doctor::examine_log;
 use std::path::Path;
@@ -28,8 +29,14 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let sides = [side(paths[0])?, side(paths[1])?];
     let names = paths.map(|path| printable(&path.display().to_string()));
     let comparison = Comparison::of([&sides[0], &sides[1]]).ok_or_else(|| {
-        Fault::new(format!("nothing in {} can be held against {}", names[1], names[0]))
-            .hint("both need ten seconds at rest, or some seconds of like motion")
+        let sick = sides.iter().zip(&names).find_map(|(side, name)| Some((side.bad()?, name)));
+        let hint = match sick {
+            Some((Finding { about, text, remedy, .. }, name)) => {
+                format!("first {name}: {about}: {text} -> {}", remedy.unwrap_or("look at it"))
+            }
+            None => "both need ten seconds at rest, or some seconds of like motion".to_owned(),
+        };
+        Fault::new(format!("nothing in {} can be held against {}", names[1], names[0])).hint(hint)
     })?;
     let mut json = serde_json::to_value(&comparison)?;
     json["logs"] = names.to_vec().into();

@@ -12,7 +12,7 @@ use crate::allan::rest::rest;
 use crate::doctor::values::steps_of;
 use crate::doctor::vibration::{AxisSpectrum, Shaking, shaking};
 use crate::doctor::{Examination, LogFigures};
-use crate::finding::Finding;
+use crate::finding::{Finding, Weight};
 use crate::log_noise::EffectiveNoise;
 use crate::phases::phases;
 use crate::rest_noise::RestNoise;
@@ -57,6 +57,11 @@ struct Known {
 }
 
 impl Side {
+    /// The gravest finding, where it is bad: what is to be mended before anything is compared.
+    pub fn bad(&self) -> Option<&Finding> {
+        self.findings.first().filter(|found| found.weight == Weight::Bad)
+    }
+
     /// Of a log and its examination.
     ///
     /// # Errors
