@@ -4,11 +4,9 @@
 //! Along gravity a bias turns nothing, so what is found there is held near zero. It is named where it leaves less than half of the spread, little of the
 //! spread in the sensor's axes, and where every other window says the same.
 
-use super::turned::{EXPLAINED, FEWEST, Step, WINDOW_S, WORSE, directions, spread, steps, still};
+use super::turned::{EXPLAINED, FEWEST, Step, WINDOW_S, WORSE, directions, spread, still};
 use crate::finding::Finding;
-use dpn_core::Recorded;
 use nalgebra::{Matrix3, Vector3};
-use std::io;
 
 const REMEDY: &str = "take it off before an estimator is fed: calibrate the gyroscope at rest, and look at its temperature and at the driver's offsets";
 /// A bias from which it is one \[rad/s\], as at rest.
@@ -110,48 +108,11 @@ pub(super) fn finding(windows: &[Vec<Step>]) -> Option<Finding> {
     })
 }
 
-/// Parts of a log of which each must say the same, and the shortest log \[s\].
-const PARTS: usize = 6;
-const LEAST_S: f64 = 30.0;
-/// A bias from which it is one of a log in which gravity's direction stays where it is \[rad/s\].
-const HUGE: f64 = 0.35;
-
-/// The same of a log as a whole, whether gravity turns in it or not, as of what flies: over a minute no body turns on and on across what it feels as gravity.
-/// Only what circles with a bank all the time does, so that all parts of the log must say the same and it is no more than a warning.
-///
-/// # Errors
-/// As [`Samples::piece`](dpn_core::Samples::piece).
-pub(super) fn throughout(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
-    let length_s = recording.length_s();
-    if length_s < LEAST_S {
-        return Ok(None);
-    }
-    let (mut parts, mut last): ([Unsaid; PARTS], Option<Step>) = Default::default();
-    steps(recording, 0.1, &mut |step| {
-        let part = ((PARTS as f64 * step.t_s / length_s) as usize).min(PARTS - 1);
-        if let Some(before) = last.replace(step.clone()).filter(|before| step.t_s - before.t_s < 0.3) {
-            parts[part].add(&before, &step);
-        }
-    })?;
-    let all = parts.iter().map(Unsaid::bias).collect::<Vec<_>>();
-    let bias = all.iter().sum::<Vector3<f64>>() / PARTS as f64;
-    let is_so = bias.norm() > HUGE && all.iter().all(|part| (part - bias).norm() < APART * bias.norm());
-    Ok(is_so.then(|| {
-        let text = format!(
-            "all the time the gyroscope turns across gravity, x {:.2}, y {:.2}, z {:.2} rad/s, and gravity stays where it is: a bias, if nothing circles banked throughout",
-            bias.x, bias.y, bias.z
-        );
-        Finding::warning("bias", text, REMEDY)
-    }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::doctor::turned::tests::waved;
     use crate::doctor::turned::windows;
-    use crate::doctor::values::tests::level;
-    use dpn_core::ImuRecording;
 
     #[test]
     fn a_bias_in_motion_is_found_with_its_figures_and_a_small_one_or_a_swapped_axis_is_none() {
@@ -167,22 +128,5 @@ mod tests {
         }
         assert_eq!(of([0.0, 0.05, 0.0]).1, None);
         assert_eq!(finding(&windows(&waved(|s| s.gyro.swap(0, 2))).unwrap()), None);
-    }
-
-    #[test]
-    fn a_bias_of_what_flies_is_a_warning_and_turns_to_and_fro_are_none() {
-        let of = |bias: f64| {
-            let mut samples = level(60);
-            for s in &mut samples {
-                let t = s.t.ns() as f64 * 1e-9;
-                s.gyro[0] += bias + 0.8 * (1.7 * t).sin();
-                s.gyro[2] += 0.6 * (0.3 * t).cos();
-                s.accel[0] += 0.7 * (2.3 * t).sin();
-            }
-            throughout(&ImuRecording::new(samples).unwrap()).unwrap().map(|found| found.text)
-        };
-        assert_eq!(of(0.0), None);
-        let text = of(0.5).unwrap();
-        assert!(text.contains("x 0.5") && text.contains("y -0.0") | text.contains("y 0.0"), "{text}");
     }
 }

@@ -155,11 +155,7 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let stretches = phases(measured)?;
     if !findings.iter().any(|found| ["units", "columns", "dead"].contains(&found.about)) {
         let windows = turned::windows(measured)?;
-        let of_turns = bias::finding(&windows).or_else(|| turned::axes(&windows));
-        findings.extend(match of_turns {
-            None if !findings.iter().any(|found| found.about == "bias") => bias::throughout(measured)?,
-            found => found,
-        });
+        findings.extend(bias::finding(&windows).or_else(|| turned::axes(&windows)));
         if let Some(of_attitudes) = attitudes::finding(measured, &stretches)? {
             findings.retain(|found| found.about != "gravity" || !found.warns());
             findings.push(of_attitudes);

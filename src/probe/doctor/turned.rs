@@ -37,7 +37,7 @@ pub(super) struct Step {
     pub force: Vector3<f64>,
 }
 
-pub(super) fn steps(recording: &dyn Recorded, step_s: f64, take: &mut dyn FnMut(Step)) -> io::Result<()> {
+fn steps(recording: &dyn Recorded, step_s: f64, take: &mut dyn FnMut(Step)) -> io::Result<()> {
     let start = recording.span()[0];
     let many = ((step_s * recording.rate().hz()).round() as usize).max(1);
     recording.pieces(0..recording.len(), many, &mut |chunk| {
