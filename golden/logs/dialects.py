@@ -74,6 +74,16 @@ def oxiod():
     expect("oxiod.csv", "csv", 100.0, upside_down(rows), 500000_250_000_000, 2e-6, ["-1 g upwards", "OxIOD"])
 
 
+def ridi():
+    """RIDI's: a file a sensor, stamps in ns since the phone was started."""
+    rows = motion(200, 120)
+    start = 54321_250_000_000
+    for name, of in [("gyro", lambda g, a: g), ("acce", lambda g, a: a), ("gravity", lambda g, a: [0.0, 0.0, 9.81])]:
+        write(f"ridi/{name}.txt", "# Created at 2017-07-21 15:32:10\n" + "".join(
+            f"{start + round(t * 1e9)} {' '.join(f'{v:.6f}' for v in of(g, a))}\n" for t, g, a in rows))
+    expect("ridi", "two_files", 200.0, rows, start, 2e-6, ["accelerometer from acce.txt", "stamps in ns"])
+
+
 def androids():
     rows = motion(100, 120)
     start = 65972053803181
@@ -214,7 +224,7 @@ def gyroflow():
 
 
 def make():
-    for one in [iphones, core_motion, oxiod, androids, metawear, ticks, objects, without_stamps, others, gyroflow]:
+    for one in [iphones, core_motion, oxiod, ridi, androids, metawear, ticks, objects, without_stamps, others, gyroflow]:
         one()
     blackbox("betaflight.bbl")
     blackbox("betaflight_fine.bbl", 10)

@@ -4,6 +4,7 @@
 use super::TimeUnit;
 use super::decimal::parse_stamp;
 use dpn_core::Stamp;
+use time::{Date, Month, Time, UtcDateTime};
 
 /// Reads one; `None` where it is none.
 pub(crate) fn parse(text: &[u8]) -> Option<Stamp> {
@@ -20,8 +21,10 @@ pub(crate) fn parse(text: &[u8]) -> Option<Stamp> {
     let is_plain =
         seconds.bytes().enumerate().all(|(i, b)| if i == 2 { b == b'.' } else { b.is_ascii_digit() });
     let seconds = Some(seconds).filter(|text| is_plain && text.len() >= 2)?;
+    let (hour, minute) = (hour?, minute?);
+    Time::from_hms(hour.try_into().ok()?, minute.try_into().ok()?, seconds[..2].parse().ok()?).ok()?;
     let seconds = parse_stamp(seconds.as_bytes(), TimeUnit::Seconds)?.ns();
-    let minutes = days.checked_mul(1440)? + 60 * hour? + minute? - offset(zone.trim())?;
+    let minutes = days.checked_mul(1440)? + 60 * hour + minute - offset(zone.trim())?;
     minutes.checked_mul(60_000_000_000)?.checked_add(seconds).map(Stamp::from_ns)
 }
 
@@ -35,14 +38,12 @@ fn day(text: &str) -> Option<i64> {
     let text = text.strip_suffix(['T', 't', ' ', '_', '/', '-'])?.trim_end();
     let mut parts = text.split(['-', '/']);
     let [year, month, day] = [4, 2, 2].map(|digits| parts.next().and_then(|part| number(part, digits)));
-    let (year, month, day) = (year?, month?, day?);
-    if parts.next().is_some() || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
-        return None;
-    }
-    // Years begin in March, so that a leap day is the last; 146097 days are 400 years.
-    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let of_year = (153 * month + 2) / 5 + day - 1;
-    Some(365 * year + year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400) + of_year - 719_468)
+    let month = Month::try_from(u8::try_from(month?).ok()?).ok()?;
+    let date = Date::from_calendar_date(year?.try_into().ok()?, month, day?.try_into().ok()?).ok()?;
+    parts
+        .next()
+        .is_none()
+        .then(|| i64::from(date.to_julian_day() - UtcDateTime::UNIX_EPOCH.date().to_julian_day()))
 }
 
 /// Minutes east of Greenwich.
@@ -90,6 +91,8 @@ mod tests {
             "29.10.2023 01:59:40",
             "10/29/2023 01:59:40",
             "2023-13-01T00:00:00",
+            "2023-02-29T00:00:00",
+            "2023-02-28T24:00:00",
             "1:2:3",
             "01:02",
             "12:00:00+",

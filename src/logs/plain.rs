@@ -1,12 +1,14 @@
 //! Text as other systems write it, as lines of UTF-8: UTF-16, which Windows' shell makes of what it is given, and lines that end with a carriage return alone.
 
+use encoding_rs::{Encoding, UTF_16BE, UTF_16LE};
+use encoding_rs_io::DecodeReaderBytesBuilder;
 use std::io::{self, Read};
 
 /// What is to be done with the bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Coding {
     /// UTF-16, its lower byte first or last.
-    Utf16 { is_little: bool },
+    Utf16(&'static Encoding),
     /// Lines end with a carriage return.
     Returns,
 }
@@ -16,70 +18,35 @@ impl Coding {
     pub(crate) fn of(head: &[u8]) -> Option<Self> {
         let is_zero = |first: usize| head.iter().skip(first).step_by(2).take(32).all(|byte| *byte == 0);
         match head {
-            [0xff, 0xfe, ..] => Some(Self::Utf16 { is_little: true }),
-            [0xfe, 0xff, ..] => Some(Self::Utf16 { is_little: false }),
+            [0xff, 0xfe, ..] => Some(Self::Utf16(UTF_16LE)),
+            [0xfe, 0xff, ..] => Some(Self::Utf16(UTF_16BE)),
             _ if head.len() < 64 => None,
-            _ if is_zero(1) && !is_zero(0) => Some(Self::Utf16 { is_little: true }),
-            _ if is_zero(0) && !is_zero(1) => Some(Self::Utf16 { is_little: false }),
+            _ if is_zero(1) && !is_zero(0) => Some(Self::Utf16(UTF_16LE)),
+            _ if is_zero(0) && !is_zero(1) => Some(Self::Utf16(UTF_16BE)),
             _ if head.contains(&b'\r') && !head.contains(&b'\n') => Some(Self::Returns),
             _ => None,
         }
     }
-}
 
-/// A source of such text, read as lines of UTF-8.
-pub(crate) struct Plain<R> {
-    source: R,
-    coding: Coding,
-    /// Bytes of half a character.
-    rest: Vec<u8>,
-    ready: Vec<u8>,
-    at: usize,
-}
-
-impl<R: Read> Plain<R> {
-    pub(crate) fn new(source: R, coding: Coding) -> Self {
-        Self { source, coding, rest: Vec::new(), ready: Vec::new(), at: 0 }
-    }
-
-    fn take(&mut self, bytes: &[u8]) {
-        self.ready.clear();
-        self.at = 0;
-        match self.coding {
-            Coding::Returns => self.ready.extend(bytes.iter().map(|b| if *b == b'\r' { b'\n' } else { *b })),
-            Coding::Utf16 { is_little } => {
-                self.rest.extend_from_slice(bytes);
-                let unit = |pair: &[u8]| {
-                    let pair = [pair[0], pair[1]];
-                    if is_little { u16::from_le_bytes(pair) } else { u16::from_be_bytes(pair) }
-                };
-                let units = self.rest.chunks_exact(2).map(unit);
-                let is_half = units.clone().next_back().is_some_and(|last| (0xd800..0xdc00).contains(&last));
-                let whole = units.len() - usize::from(is_half);
-                let text =
-                    char::decode_utf16(units.take(whole)).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
-                // The mark before the text is none of it.
-                let text: String = text.filter(|c| *c != '\u{feff}').collect();
-                self.ready.extend_from_slice(text.as_bytes());
-                self.rest.drain(..2 * whole);
+    /// `source` as lines of UTF-8.
+    pub(crate) fn plain<'a>(self, source: impl Read + 'a) -> Box<dyn Read + 'a> {
+        match self {
+            Self::Utf16(encoding) => {
+                Box::new(DecodeReaderBytesBuilder::new().encoding(Some(encoding)).build(source))
             }
+            Self::Returns => Box::new(Returns(source)),
         }
     }
 }
 
-impl<R: Read> Read for Plain<R> {
+/// A source whose lines end with a carriage return.
+struct Returns<R>(R);
+
+impl<R: Read> Read for Returns<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let mut bytes = [0; 8192];
-        while self.at == self.ready.len() {
-            match self.source.read(&mut bytes)? {
-                0 => return Ok(0),
-                read => self.take(&bytes[..read]),
-            }
-        }
-        let many = out.len().min(self.ready.len() - self.at);
-        out[..many].copy_from_slice(&self.ready[self.at..self.at + many]);
-        self.at += many;
-        Ok(many)
+        let read = self.0.read(out)?;
+        out[..read].iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+        Ok(read)
     }
 }
 
@@ -103,12 +70,12 @@ mod tests {
                     .chunks(size)
                     .fold(Box::new(io::empty()) as Box<dyn Read>, |all, part| Box::new(all.chain(part)));
                 let mut read = String::new();
-                Plain::new(parts, coding).read_to_string(&mut read).unwrap();
+                coding.plain(parts).read_to_string(&mut read).unwrap();
                 assert_eq!(read, text);
             }
         }
         let ascii: Vec<u8> = "time,gx\n0,1\n".repeat(10).encode_utf16().flat_map(u16::to_le_bytes).collect();
-        assert_eq!(Coding::of(&ascii), Some(Coding::Utf16 { is_little: true }));
+        assert_eq!(Coding::of(&ascii), Some(Coding::Utf16(UTF_16LE)));
         assert_eq!(Coding::of(text.as_bytes()), None);
         assert_eq!(Coding::of(&[0; 100]), None);
     }

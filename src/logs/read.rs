@@ -5,7 +5,7 @@ use crate::blackbox;
 use crate::imu_file::ImuFile;
 use crate::log::other_parts;
 use crate::long::{Long, gyro_and_accel};
-use crate::plain::{Coding, Plain};
+use crate::plain::Coding;
 use crate::records::Records;
 use crate::topics::{Topics, shortened};
 use crate::two_files::{Source, TwoFiles};
@@ -284,8 +284,8 @@ fn text(
     let mut source = source;
     source.by_ref().take(LOOKED_AT).read_to_end(&mut head).map_err(|e| IoError::reading(file, e))?;
     if let Some(coding) = Coding::of(&head) {
-        let plain = Plain::new(std::io::Cursor::new(head).chain(source), coding);
-        return text(Box::new(plain) as Box<dyn Read + '_>, file, path, kind, options);
+        let plain = coding.plain(std::io::Cursor::new(head).chain(source));
+        return text(plain, file, path, kind, options);
     }
     let mut whole = |mut bytes: Vec<u8>| {
         source.read_to_end(&mut bytes).map_err(|e| IoError::reading(file, e))?;
