@@ -99,7 +99,7 @@ def test_bad_logs_and_specs_are_exceptions(tmp_path, log):
     (tmp_path / "empty.csv").write_text("")
     for call in [
         lambda: dpn.read(tmp_path / "none.csv"), lambda: dpn.read(tmp_path / "empty.csv"),
-        lambda: dpn.read(log, gyro_unit="rpm"), lambda: dpn.noise(log, "dualpronett"), lambda: dpn.noise(log, every=0),
+        lambda: dpn.read(log, gyro_unit="turns"), lambda: dpn.noise(log, "dualpronett"), lambda: dpn.noise(log, every=0),
         lambda: dpn.noise(7), lambda: dpn.simulate("f99"), lambda: dpn.Network.load(log), lambda: dpn.convert(log, "kalibr"),
     ]:
         with pytest.raises(dpn.Error):
