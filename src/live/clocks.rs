@@ -221,7 +221,8 @@ impl<E> LiveClocks<E> {
         self.held.push(Held { sensor, raw, came, message });
         let beside = self.newest(sensor.other()).map(|other| (raw, other));
         let clock = &mut self.clocks[sensor as usize];
-        clock.held += 1;
+        // A double says nothing more.
+        clock.held += usize::from(after_s != Some(0.0) || clock.last.is_none());
         clock.newest = beside;
         if self.clocks[sensor as usize].last.is_none() {
             // The first stamp may be the wrong one: two that agree begin.
@@ -366,9 +367,13 @@ impl<E> LiveClocks<E> {
     /// Whether a stamp goes on from several that are held back, as its sensor's stamps do.
     fn goes_with_held(&self, sensor: LiveSensor, raw: Stamp) -> bool {
         let clock = &self.clocks[sensor as usize];
-        let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
-        let step_s = last.map(|last| raw.seconds_since(last));
-        clock.held > 1 && step_s.is_some_and(|step_s| step_s > 0.0 && step_s <= 1.5 * clock.step_s)
+        let mut held = self.held.iter().rev().filter(|held| held.sensor == sensor).map(|held| held.raw);
+        let Some(last) = held.next().filter(|_| clock.held > 1) else { return false };
+        // Several that are late were missing in the last step.
+        let before = held.find(|before| *before != last);
+        let usual_s = before.map_or(clock.step_s, |before| clock.step_s.min(last.seconds_since(before)));
+        let step_s = raw.seconds_since(last);
+        step_s > 0.0 && step_s <= 1.5 * usual_s
     }
 
     /// Lets a message through that came when the other's last stamp was the one `beside`, and what it tells of those that are held back.
@@ -864,6 +869,26 @@ mod tests {
             let (out, said) = through(&all);
             assert_eq!(out.len(), all.len() - 1, "{by}: {said:?}");
             assert!(out.iter().all(|(_, t, truth)| t == truth), "{by}: {said:?}");
+        }
+    }
+
+    /// The one that overtook them left a long step behind.
+    #[test]
+    fn messages_that_are_late_twice_or_in_twos_set_no_clock() {
+        for late in [vec![2, 2], vec![1, 2], vec![1, 2, 2]] {
+            let mut all = streams(6);
+            let images: Vec<usize> =
+                (0..all.len()).filter(|i| all[*i].0 == Camera && all[*i].1 > 1_003_000_000_000).collect();
+            // The first is lost, and the third overtakes those behind it.
+            let behind: Vec<_> = late.iter().map(|place| all[images[*place]]).collect();
+            let after = images[3] + 1;
+            all.splice(after..after, behind);
+            for place in [2, 1, 0] {
+                all.remove(images[place]);
+            }
+            let (out, said) = through(&all);
+            assert!(out.iter().all(|(_, t, truth)| t == truth), "{late:?}: {said:?}");
+            assert!(said.iter().all(|words| words.contains(" passed over")), "{late:?}: {said:?}");
         }
     }
 
