@@ -225,8 +225,10 @@ impl<E> LiveClocks<E> {
         clock.held += usize::from(after_s != Some(0.0) || clock.last.is_none());
         clock.newest = beside;
         if self.clocks[sensor as usize].last.is_none() {
-            // The first stamp may be the wrong one: two that agree begin.
-            return if agree == Some(true) { self.release(Some(sensor)) } else { Vec::new() };
+            // The first stamp may be the wrong one, and come twice: two that agree begin, or three doubles.
+            let begins = agree == Some(true)
+                && (after_s != Some(0.0) || self.clocks[sensor as usize].held >= ENOUGH[0]);
+            return if begins { self.release(Some(sensor)) } else { Vec::new() };
         }
         if self.both_jumped() {
             self.keep_on(&LiveSensor::ALL);
@@ -844,6 +846,9 @@ mod tests {
             first[at].1 += HOUR;
             let (out, said) = through(&first);
             assert!(said.len() == 1 && out.len() == first.len() - 1, "{said:?}");
+            first.insert(at, first[at]);
+            let (out, said) = through(&first);
+            assert!(said.len() == 1 && out.len() == first.len() - 2, "{said:?}");
         }
         // Poses keep the IMU's own stamps.
         let mut clocks = LiveClocks::default();
