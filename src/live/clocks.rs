@@ -110,7 +110,7 @@ struct Clock {
     shift_ns: i64,
     /// How many were passed over since that stamp.
     dropped: usize,
-    /// How many are held back, and what the other let through since.
+    /// How many are held back, doubles once, and what the other let through since.
     held: usize,
     since: usize,
     same: usize,
@@ -194,7 +194,7 @@ impl<E> LiveClocks<E> {
             }
             return ready;
         }
-        let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
+        let last = self.held_of(sensor).next_back();
         let step_s = self.clocks[sensor as usize].step_s;
         // One that is late is no beginning of those that are set, but where the next one is a step behind it.
         let most = if self.clocks[sensor as usize].held == 1
@@ -222,12 +222,12 @@ impl<E> LiveClocks<E> {
         let beside = self.newest(sensor.other()).map(|other| (raw, other));
         let clock = &mut self.clocks[sensor as usize];
         // A double says nothing more.
-        clock.held += usize::from(after_s != Some(0.0) || clock.last.is_none());
+        let is_double = after_s == Some(0.0);
+        clock.held += usize::from(!is_double);
         clock.newest = beside;
         if self.clocks[sensor as usize].last.is_none() {
             // The first stamp may be the wrong one, and come twice: two that agree begin, or three doubles.
-            let begins = agree == Some(true)
-                && (after_s != Some(0.0) || self.clocks[sensor as usize].held >= ENOUGH[0]);
+            let begins = agree == Some(true) && (!is_double || self.held_of(sensor).count() >= ENOUGH[0]);
             return if begins { self.release(Some(sensor)) } else { Vec::new() };
         }
         if self.both_jumped() {
@@ -369,7 +369,7 @@ impl<E> LiveClocks<E> {
     /// Whether a stamp goes on from several that are held back, as its sensor's stamps do.
     fn goes_with_held(&self, sensor: LiveSensor, raw: Stamp) -> bool {
         let clock = &self.clocks[sensor as usize];
-        let mut held = self.held.iter().rev().filter(|held| held.sensor == sensor).map(|held| held.raw);
+        let mut held = self.held_of(sensor).rev();
         let Some(last) = held.next().filter(|_| clock.held > 1) else { return false };
         // Several that are late were missing in the last step.
         let before = held.find(|before| *before != last);
@@ -541,7 +541,7 @@ impl<E> LiveClocks<E> {
 
     /// Whether the other sensor says nothing that could tell.
     fn waits_alone(&self, sensor: LiveSensor) -> bool {
-        let mut own = self.held.iter().filter(|held| held.sensor == sensor).map(|held| held.raw);
+        let mut own = self.held_of(sensor);
         let (Some(first), Some(last)) = (own.next(), own.next_back()) else { return false };
         self.clocks[sensor as usize].since == 0 && last.seconds_since(first) > ALONE_S
     }
@@ -599,6 +599,11 @@ impl<E> LiveClocks<E> {
         }
     }
 
+    /// The stamps of a sensor that are held back, as they were stamped, in the order in which they came.
+    fn held_of(&self, sensor: LiveSensor) -> impl DoubleEndedIterator<Item = Stamp> {
+        self.held.iter().filter(move |held| held.sensor == sensor).map(|held| held.raw)
+    }
+
     /// Whether a stamp, as it was stamped, is little before its sensor's last one.
     fn is_late(&self, sensor: LiveSensor, raw: Stamp) -> bool {
         self.last(sensor)
@@ -613,7 +618,8 @@ impl<E> LiveClocks<E> {
         if count == 0 {
             return;
         }
-        if let Some(first) = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw) {
+        let (first, all) = (self.held_of(sensor).next(), self.held_of(sensor).count());
+        if let Some(first) = first {
             let t = self.common(sensor, first);
             let is_late = count == 1 && self.is_late(sensor, first);
             let clock = &mut self.clocks[sensor as usize];
@@ -622,7 +628,7 @@ impl<E> LiveClocks<E> {
                 Some(last) if is_late => clock.step_s = clock.step_s.min(last.seconds_since(t)),
                 _ => clock.dropped += count,
             }
-            self.pass_over(sensor, count, t);
+            self.pass_over(sensor, all, t);
         }
         self.held.retain(|held| held.sensor != sensor);
     }

@@ -40,8 +40,8 @@ impl Unsaid {
     /// The bias, held near zero along gravity \[rad/s\].
     fn bias(&self) -> Vector3<f64> {
         /// Weight against zero of a step's word.
-        const PRIOR: f64 = 0.01;
-        let normal = self.across + Matrix3::identity() * (PRIOR * self.count + 1e-9);
+        const OF_STEP: f64 = 0.01;
+        let normal = self.across + Matrix3::identity() * (OF_STEP * self.count + 1e-9);
         normal.cholesky().map_or(Vector3::zeros(), |normal| normal.solve(&self.turns))
     }
 }
