@@ -1,11 +1,11 @@
-//! Figures: one style, a handful of plots, each saved as SVG, PNG and the CSV of exactly what is drawn.
+//! Figures: one style, a handful of plots, each saved as SVG, PDF, PNG and the CSV of exactly what is drawn.
 //!
 //! [`Table`] is the one table: Markdown, CSV, LaTeX, a console.
 //!
 //! A plot is made from slices and labels and knows no file and no network. It checks its input and computes what will be
 //! drawn when it is built ([`rmse_vs_sigma`], [`flight_sigma`]), so that drawing cannot
-//! fail on data. [`save`] writes it; the same input gives the same bytes. Text in SVG stays text, the font of the PNG is
-//! DejaVu Sans from a crate: no system library and no system font is used.
+//! fail on data. [`save`] writes it; the same input gives the same bytes. Text in SVG stays text, the letters of PDF and PNG are
+//! those of DejaVu Sans from a crate: no system library and no system font is used.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
@@ -22,7 +22,9 @@ mod flight_views;
 mod frame;
 mod heat;
 mod legend;
+mod letters;
 mod log_noise_plot;
+mod pdf;
 mod plot;
 mod provenance;
 mod raster;
@@ -52,7 +54,7 @@ pub use flight::{Flight, Phase};
 pub use flight_sigma::flight_sigma;
 pub use flight_views::{timeline, top_view};
 pub use log_noise_plot::log_noise_plot;
-pub use plot::{Drawn, Plot, if_any, save, save_if_any, svg};
+pub use plot::{Drawn, ENDINGS, Plot, if_any, save, save_if_any, svg};
 pub use provenance::Provenance;
 pub use rmse_vs_sigma::rmse_vs_sigma;
 pub use spectrogram::{spectra_by_motors, spectrogram};

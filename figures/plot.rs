@@ -1,6 +1,7 @@
-//! Saving a plot: SVG, PNG and CSV, all or none of them half-written, the same bytes every time.
+//! Saving a plot: SVG, PDF, PNG and CSV, all or none of them half-written, the same bytes every time.
 
 use super::error::FigureError;
+use super::pdf::Page;
 use super::raster::{Raster, canvas, encoded};
 use super::style;
 use dpn_io::{ResultPath, write_file};
@@ -48,7 +49,10 @@ pub trait Plot {
     fn csv(&self) -> Drawn;
 }
 
-/// Writes `path.svg`, `path.png` and `path.csv`, making the folder if need be, and returns the three paths.
+/// Endings of the files that [`save`] writes, in its order.
+pub const ENDINGS: [&str; 4] = ["svg", "pdf", "png", "csv"];
+
+/// Writes `path` with each of [`ENDINGS`], making the folder if need be, and returns the paths.
 ///
 /// # After the call
 /// Each file is new and whole, or as it was. All are made before the first is written; should writing fail midway, the files are of
@@ -61,9 +65,10 @@ pub fn save(
     path_without_extension: impl Into<ResultPath>,
 ) -> Result<Vec<ResultPath>, FigureError> {
     let path = path_without_extension.into();
-    let files = [("svg", svg(plot)?), ("png", png(plot)?), ("csv", csv(&plot.csv())?)];
-    files
+    let files = [svg(plot)?, pdf(plot)?, png(plot)?, csv(&plot.csv())?];
+    ENDINGS
         .into_iter()
+        .zip(files)
         .map(|(extension, bytes)| {
             let path = path.with_ending(extension);
             write_file(&path, &bytes)?;
@@ -112,6 +117,12 @@ pub fn svg(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
     let mut text = String::new();
     paint(plot, SVGBackend::with_string(&mut text, plot.size()))?;
     Ok(text.into_bytes())
+}
+
+fn pdf(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
+    let mut page = Page::new(plot.size());
+    paint(plot, page.back_end())?;
+    page.finish()
 }
 
 fn png(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
@@ -163,15 +174,18 @@ mod tests {
     }
 
     #[test]
-    fn saving_twice_gives_the_same_bytes_and_three_files() {
+    fn saving_twice_gives_the_same_bytes_and_four_files() {
         let folder = tempfile::tempdir().unwrap();
         let read = |name: &str| -> Vec<Vec<u8>> {
             let paths = save(&Dot, folder.path().join("new").join(name)).unwrap();
             paths.iter().map(|path| path.read_existing().unwrap()).collect()
         };
         assert_eq!(read("v1.0"), read("v1.1"));
-        assert_eq!(read("v1.0")[2], b"x,y\n1,0.1\n");
-        let expected = ["v1.0.csv", "v1.0.png", "v1.0.svg", "v1.1.csv", "v1.1.png", "v1.1.svg"];
+        assert_eq!(read("v1.0")[3], b"x,y\n1,0.1\n");
+        let expected: Vec<String> = ["v1.0", "v1.1"]
+            .iter()
+            .flat_map(|stem| ["csv", "pdf", "png", "svg"].map(|ending| format!("{stem}.{ending}")))
+            .collect();
         assert_eq!(names(&folder.path().join("new")), expected);
     }
 

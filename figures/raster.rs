@@ -5,11 +5,10 @@
 //! font, at the places where plotters' SVG puts it. So the PNG looks like the SVG.
 
 use super::error::FigureError;
-use super::style::{HEIGHT_PER_EM, SIZE_PER_EM};
-use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use super::letters;
+use ab_glyph::{Font, FontRef};
 use dpn_core::GrayImage;
 use plotters::prelude::BitMapBackend;
-use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
@@ -89,7 +88,7 @@ impl<'a> Raster<'a> {
     pub(super) fn new(canvas: &'a mut [u8], size: (u32, u32)) -> Self {
         Self {
             fine: BitMapBackend::with_buffer(canvas, (size.0 * FINE, size.1 * FINE)),
-            font: FontRef::try_from_slice(dejavu::sans::regular()).expect("the font that is built in is one"),
+            font: letters::font(),
             size,
         }
     }
@@ -193,36 +192,11 @@ impl<'a> DrawingBackend for Raster<'a> {
         style: &S,
         at: BackendCoord,
     ) -> Result<(), Failure<'a>> {
-        let font = self.font.clone();
-        let em = style.size() / SIZE_PER_EM * f64::from(FINE);
-        let scaled = font.as_scaled(PxScale::from((em * HEIGHT_PER_EM) as f32));
-        let mut pen = 0.0;
-        let mut last = None;
-        let mut glyphs = Vec::new();
-        for letter in text.chars() {
-            let id = font.glyph_id(letter);
-            pen += last.map_or(0.0, |last| scaled.kern(last, id));
-            glyphs.push((id, pen));
-            pen += scaled.h_advance(id);
-            last = Some(id);
-        }
-        let start = match style.anchor().h_pos {
-            HPos::Left => 0.0,
-            HPos::Center => -pen / 2.0,
-            HPos::Right => -pen,
-        };
-        // As plotters' SVG: 0.76 em, 0.5 ex, -0.5 ex; an ex of this font is 0.547 em.
-        let baseline = match style.anchor().v_pos {
-            VPos::Top => 0.76,
-            VPos::Center => 0.5 * 0.547,
-            VPos::Bottom => -0.5 * 0.547,
-        } * em as f32;
         let turn = style.transform();
         let (x0, y0) = fine(at);
         let colour = style.color();
-        for (id, x) in glyphs {
-            let glyph = id.with_scale_and_position(scaled.scale(), point(start + x, baseline));
-            let Some(outline) = scaled.outline_glyph(glyph) else {
+        for glyph in letters::set(&self.font, text, style, f64::from(FINE)) {
+            let Some(outline) = self.font.outline_glyph(glyph) else {
                 continue; // a space
             };
             let corner = outline.px_bounds().min;

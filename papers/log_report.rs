@@ -39,12 +39,12 @@ impl LogSection {
         Self { name, facts, ..Self::default() }
     }
 
-    /// Adds a figure.
+    /// Adds a figure, under a name that tells it from the others.
     ///
     /// # Errors
     /// As [`svg`](dpn_figures::svg).
-    pub fn draw(&mut self, title: &str, plot: &impl Plot) -> Result<(), FigureError> {
-        self.pictures.push(Picture::drawn("", title, plot)?);
+    pub fn draw(&mut self, name: &'static str, title: &str, plot: &impl Plot) -> Result<(), FigureError> {
+        self.pictures.push(Picture::drawn(name, title, plot)?);
         Ok(())
     }
 }

@@ -409,7 +409,7 @@ impl FigureWriter<'_> {
     ) -> Result<(), PaperError> {
         save(&chart.made_by(&self.made_by.of(runs)), self.out.join(name))?;
         let svg = self.out.join(format!("{name}.svg")).text()?;
-        self.files.extend(["png", "csv"].map(|ending| format!("{name}.{ending}")));
+        self.files.extend(["pdf", "png", "csv"].map(|ending| format!("{name}.{ending}")));
         self.added(name, title, runs, svg);
         Ok(())
     }

@@ -21,7 +21,7 @@ pub(crate) struct AllanArgs {
     /// Whose configuration that is; without it, told from its keys.
     #[arg(long, value_name = "FORMAT", requires = "check")]
     pub(crate) check_as: Option<Format>,
-    /// Folder for the plot (SVG, PNG), its points (CSV) and the figures (JSON).
+    /// Folder for the plot (SVG, PDF, PNG), its points (CSV) and the figures (JSON).
     #[arg(long, value_name = "DIR", default_value = "runs/allan")]
     pub(crate) out: ResultPath,
     /// Print the figures as JSON on stdout instead of the page.

@@ -30,7 +30,7 @@ pub(crate) struct CheckArgs {
     /// Exit with code 3 where something as grave is found: bad, or warning.
     #[arg(long, value_name = "WEIGHT", value_enum)]
     pub(crate) fail_on: Option<FailOn>,
-    /// Folder for the spectra (SVG, PNG, CSV) and the findings (JSON).
+    /// Folder for the spectra (SVG, PDF, PNG, CSV) and the findings (JSON).
     #[arg(long, value_name = "DIR", default_value = "runs/check")]
     pub(crate) out: ResultPath,
     /// Print the findings as JSON on stdout instead of the page.

@@ -20,7 +20,7 @@ pub(crate) struct CompareArgs {
     /// How both are read.
     #[command(flatten)]
     pub(crate) how: HowArgs,
-    /// Folder for the picture of both spectra (SVG, PNG, CSV) and what has changed (JSON).
+    /// Folder for the picture of both spectra (SVG, PDF, PNG, CSV) and what has changed (JSON).
     #[arg(long, value_name = "DIR", default_value = "runs/compare")]
     pub(crate) out: ResultPath,
     /// Print what has changed as JSON on stdout instead of the page.

@@ -98,6 +98,7 @@ pub(super) const COMPARE: &str = "Examples:
 
 pub(super) const REPORT: &str = "Examples:
   dpn report flight.bag --out flight.html
+  dpn report flight.bag --figures figures    every figure as SVG, PDF, PNG and CSV too
   dpn report logs/ --out robots.html         a section a log";
 
 pub(super) const FLEET: &str = "Examples:

@@ -43,7 +43,7 @@ pub(crate) struct NoiseArgs {
     /// What is pasted.
     #[command(flatten)]
     pub(crate) paste: PasteArgs,
-    /// Folder for the track (CSV or JSON lines), the summary (JSON) and the plot (SVG, PNG, CSV).
+    /// Folder for the track (CSV or JSON lines), the summary (JSON) and the plot (SVG, PDF, PNG, CSV).
     #[arg(long, value_name = "DIR", default_value = "runs/noise")]
     pub(crate) out: ResultPath,
     /// How the track is written.

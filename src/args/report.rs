@@ -20,4 +20,7 @@ pub(crate) struct ReportArgs {
     /// The page: one HTML file that needs nothing else.
     #[arg(long, value_name = "FILE", default_value = "runs/report.html")]
     pub(crate) out: ResultPath,
+    /// Folder for every figure of the page as SVG, PDF, PNG and CSV; of several logs a folder each in it.
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) figures: Option<ResultPath>,
 }

@@ -45,7 +45,7 @@ pub(crate) struct TrajectoryArgs {
     /// Last stamp that is looked at.
     #[arg(long = "t_end", value_name = "STAMP", allow_negative_numbers = true)]
     pub(crate) t_end: Option<f64>,
-    /// Draw paths from above, coloured by error, and errors, positions and angles over time: FILE.svg, with PNG and CSV beside it.
+    /// Draw paths from above, coloured by error, and errors, positions and angles over time: FILE.svg or FILE.pdf, with all of SVG, PDF, PNG and CSV beside each other.
     #[arg(long = "save_plot", alias = "save-plot", value_name = "FILE")]
     pub(crate) save_plot: Option<PathBuf>,
     /// Print everything as JSON on stdout instead of the table.

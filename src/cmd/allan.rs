@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let read: Vec<&PathBuf> = [&args.log.path].into_iter().chain(&args.check).collect();
-    apart::folder("--out", &args.out, &["allan.json", "allan.svg", "allan.png", "allan.csv"], &read)?;
+    apart::folder("--out", &args.out, &["allan.json", "allan.*"], &read)?;
     let log = log::read(&args.log)?;
     if log.alone.is_some() {
         let hint = "`dpn noise LOG` says its white noise at rest; or give the folder in which the other sensor's file lies too";

@@ -2,6 +2,7 @@
 
 use crate::ui::refuse;
 use anyhow::Result;
+use dpn_figures::ENDINGS;
 use dpn_io::ResultPath;
 use std::path::Path;
 
@@ -17,11 +18,11 @@ pub(super) fn file<P: AsRef<Path>>(flag: &str, file: &Path, inputs: &[P]) -> Res
 
 /// The same of a picture's files, `stem` with the endings of all that is written.
 pub(super) fn picture<P: AsRef<Path>>(flag: &str, stem: &ResultPath, inputs: &[P]) -> Result<()> {
-    ["svg", "png", "csv"].iter().try_for_each(|ending| file(flag, stem.with_ending(ending).path(), inputs))
+    ENDINGS.iter().try_for_each(|ending| file(flag, stem.with_ending(ending).path(), inputs))
 }
 
 /// Refuses a folder of results, as `flag` names it, that is a file or lies below one, or in which one of the files `names` is one of `inputs` or lies
-/// side by side with what a folder of theirs holds. Folders of results below that of a log are their owner's wish.
+/// side by side with what a folder of theirs holds; `NAME.*` are a picture's files. Folders of results below that of a log are their owner's wish.
 pub(super) fn folder<P: AsRef<Path>>(
     flag: &str,
     dir: &ResultPath,
@@ -35,8 +36,13 @@ pub(super) fn folder<P: AsRef<Path>>(
         return refuse(message, "name a folder, or one that is not there yet");
     }
     let beside = |input: &Path, there: &Path| there.parent() == Some(input);
+    let files = |name: &&str| match name.strip_suffix(".*") {
+        Some(picture) => ENDINGS.iter().map(|ending| format!("{picture}.{ending}")).collect(),
+        None => vec![(*name).to_owned()],
+    };
     names
         .iter()
+        .flat_map(files)
         .try_for_each(|name| keep((flag, dir), &dir.join(name), inputs, beside, "name another folder"))
 }
 

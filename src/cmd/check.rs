@@ -40,7 +40,7 @@ fn all(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
 
 /// One log, its findings and the picture of its spectra.
 fn one(args: &CheckArgs, path: &Path) -> Result<Weight> {
-    apart::folder("--out", &args.out, &["check.json", "spectra.svg", "spectra.png", "spectra.csv"], &[path])?;
+    apart::folder("--out", &args.out, &["check.json", "spectra.*"], &[path])?;
     let examination = examined(args, path)?;
     let gravest = examination.findings.first().map_or(Weight::Note, |finding| finding.weight);
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);

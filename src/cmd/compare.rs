@@ -19,8 +19,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         let message = format!("{} is compared with itself", args.first.display());
         return refuse(message, "name two logs of one sensor, the earlier one first");
     }
-    let files = ["compare.json", "spectra.svg", "spectra.png", "spectra.csv"];
-    apart::folder("--out", &args.out, &files, &paths)?;
+    apart::folder("--out", &args.out, &["compare.json", "spectra.*"], &paths)?;
     let side = |path: &Path| -> Result<Side> {
         let log = log::read_quietly(path, args.span, &args.how)?;
         let examination = examine_log(&log)?;

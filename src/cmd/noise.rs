@@ -51,8 +51,8 @@ fn apart_from(args: &NoiseArgs, log: &PathBuf) -> Result<()> {
     }
     let files: &[&str] = match (&args.against, args.format) {
         (Some(_), _) => &["against.json", "biases.csv"],
-        (None, RowFormat::Csv) => &["summary.json", "plot.svg", "plot.png", "plot.csv", "noise.csv"],
-        (None, RowFormat::Jsonl) => &["summary.json", "plot.svg", "plot.png", "plot.csv", "noise.jsonl"],
+        (None, RowFormat::Csv) => &["summary.json", "plot.*", "noise.csv"],
+        (None, RowFormat::Jsonl) => &["summary.json", "plot.*", "noise.jsonl"],
     };
     apart::folder("--out", &args.out, files, &read)
 }

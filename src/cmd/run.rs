@@ -245,7 +245,7 @@ fn apart_from(args: &RunArgs) -> Result<()> {
         file.as_deref().map_or(Ok(()), |file| apart::file(flag, file, &read))?;
     }
     let of_run = ["trajectory.tum", "states.csv", "noise_learned.csv", "report.json"];
-    let drawn = ["top.svg", "top.png", "top.csv", "timeline.svg", "timeline.png", "timeline.csv"];
+    let drawn = ["top.*", "timeline.*"];
     for (flag, dir, files) in [("--out", &args.out, &of_run[..]), ("--draw", &args.draw, &drawn)] {
         dir.as_ref().map_or(Ok(()), |dir| apart::folder(flag, dir, files, &read))?;
     }

@@ -29,7 +29,7 @@ fn white_noise_is_told_to_three_per_cent_and_walks_are_not_made_up() {
         assert_eq!((walk["coefficient"].as_str(), walk["seen"].as_bool()), (Some("walk"), Some(false)));
     }
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
-    assert_eq!(names, ["allan.csv", "allan.json", "allan.png", "allan.svg"]);
+    assert_eq!(names, ["allan.csv", "allan.json", "allan.pdf", "allan.png", "allan.svg"]);
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn a_sound_log_has_notes_only_and_a_sick_one_is_told_what_ails_it() {
         .collect();
     assert_eq!(bad, ["gaps", "units"]);
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
-    assert_eq!(names, ["check.json", "spectra.csv", "spectra.png", "spectra.svg"]);
+    assert_eq!(names, ["check.json", "spectra.csv", "spectra.pdf", "spectra.png", "spectra.svg"]);
 }
 
 /// Checks made-up rows; the files it left come along.
@@ -60,7 +60,7 @@ fn a_dead_sensor_is_a_finding_and_the_other_checks_run() {
     }
     // The other sensor has its spectrum.
     assert!(page.contains("up is z") && page.contains("picture: "), "{page}");
-    assert_eq!(left, ["check.json", "spectra.csv", "spectra.png", "spectra.svg"]);
+    assert_eq!(left, ["check.json", "spectra.csv", "spectra.pdf", "spectra.png", "spectra.svg"]);
 }
 
 #[test]

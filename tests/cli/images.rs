@@ -89,9 +89,11 @@ fn a_folder_with_images_is_run_on_them_and_without_on_tracks() {
     let drawn: Vec<String> = files(&draw).into_keys().collect();
     let expected = [
         "timeline.csv",
+        "timeline.pdf",
         "timeline.png",
         "timeline.svg",
         "top.csv",
+        "top.pdf",
         "top.png",
         "top.svg",
         "tracks-0000.000s.png",

@@ -199,7 +199,7 @@ const WRITERS: [(&str, &str, usize); 20] = [
     ("eval --open-loop --data log --sensor accel --bases sg(11,2) --out out", "out", 0),
     ("noise data/f07-room-medium --against truth.csv --out out", "out", 1),
     ("fit data/f07-room-medium --against truth.csv --out out", "out", 0),
-    ("ape data/f07-room-medium truth.csv --save_plot out/errors.svg", "out", 3),
+    ("ape data/f07-room-medium truth.csv --save_plot out/errors.svg", "out", 4),
     ("rpe data/f07-room-medium truth.csv --save_plot out/errors.svg", "out", 0),
     ("run data/f07-room-medium --camera tracks --from 2 --to 6 --out runs --draw out", "out", 0),
     ("fleet fleet.toml --out out", "out", 0),

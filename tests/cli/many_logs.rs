@@ -61,7 +61,7 @@ fn what_changed_between_two_logs_is_told_with_a_picture() {
     let accel = page.lines().find(|line| line.starts_with("  accel at rest")).unwrap();
     assert!(accel.ends_with("no change seen"), "{page}");
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
-    assert_eq!(names, ["compare.json", "spectra.csv", "spectra.png", "spectra.svg"]);
+    assert_eq!(names, ["compare.json", "spectra.csv", "spectra.pdf", "spectra.png", "spectra.svg"]);
     let json = compare("a.csv", "b.csv", &["--json"]).well().json();
     assert_eq!(json["levels"].as_array().unwrap().len(), 2, "{json}");
     compare("a.csv", "a.csv", &[]).refused(

@@ -53,7 +53,7 @@ fn the_page_has_the_phases_and_shouts_what_is_out_of_range() {
     let svg = std::fs::read_to_string(dir.path().join("out/plot.svg")).unwrap();
     assert!(svg.contains("accel out of range: s 1.0-60.0"), "the small print lists what is extrapolated");
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
-    assert_eq!(names, ["noise.csv", "plot.csv", "plot.png", "plot.svg", "summary.json"]);
+    assert_eq!(names, ["noise.csv", "plot.csv", "plot.pdf", "plot.png", "plot.svg", "summary.json"]);
 }
 
 #[test]

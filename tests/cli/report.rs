@@ -34,7 +34,16 @@ fn a_report_is_one_file_that_fetches_nothing() {
     let none = dir.path().join("none.csv");
     std::fs::write(&none, "no log\n").unwrap();
     let sequence = sound(dir.path());
-    report(&[&still, &none, &sequence.join("still")]).well();
+    let figures = dir.path().join("figures");
+    let with_figures = |logs: &[&std::path::Path]| {
+        end(dpn().arg("report").args(logs).arg("--out").arg(&out).arg("--figures").arg(&figures)).well()
+    };
+    with_figures(&[&still, &none, &sequence.join("still")]);
+    let left = files(&figures);
+    assert!(
+        left.contains_key("1-still/allan.pdf") && left.contains_key("3-still/spectrogram.svg"),
+        "{left:?}"
+    );
     let page = std::fs::read_to_string(&out).unwrap();
     assert!(page.contains("What 3 logs say") && page.contains("It cannot be read: "), "{page}");
     assert_eq!(report(&[&none]).code, Some(2));

@@ -34,6 +34,7 @@ fn without_data_it_trains_on_the_simulated_flights() {
             "history.jsonl",
             "summary.json",
             "training.csv",
+            "training.pdf",
             "training.png",
             "training.svg"
         ]

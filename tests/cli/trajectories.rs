@@ -115,15 +115,15 @@ fn a_picture_is_left_with_its_numbers() {
         let line = ["truth/s0.tum", "a/s0.tum", "b/s0.tum"];
         end(dpn().arg("rpe").current_dir(dir.path()).args(line).args(more))
     };
-    let page = of(&["-d", "1", "-u", "m", "--save_plot", "out/plot.svg"]).well().stdout;
+    let page = of(&["-d", "1", "-u", "m", "--save_plot", "out/plot.pdf"]).well().stdout;
     assert!(page.starts_with("RPE over 1m, trans_part [m]; not aligned.\n"), "{page}");
     assert!(page.contains("\na/s0.tum") && page.ends_with("picture:  out/plot.png\n"), "{page}");
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
-    assert_eq!(names, ["plot.csv", "plot.png", "plot.svg"]);
-    let refused = of(&["--save_plot", "plot.pdf"]);
+    assert_eq!(names, ["plot.csv", "plot.pdf", "plot.png", "plot.svg"]);
+    let refused = of(&["--save_plot", "plot.eps"]);
     refused.refused(
         dir.path(),
-        "error: plot.pdf: pictures are SVG and PNG\n\nhint: name FILE.svg; a browser prints it as PDF",
+        "error: plot.eps: pictures are SVG, PDF and PNG\n\nhint: name FILE.svg or FILE.pdf",
     );
     for folder in ["out", "new/", ".."] {
         let words = format!(

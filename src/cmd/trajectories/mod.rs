@@ -279,16 +279,16 @@ fn stem(file: &Path) -> Result<PathBuf> {
     }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {
-        Some("svg" | "png") => Ok(file.with_extension("")),
-        Some("pdf" | "jpg" | "jpeg" | "eps") => {
-            let message = format!("{}: pictures are SVG and PNG", file.display());
-            refuse(message, "name FILE.svg; a browser prints it as PDF")
+        Some("svg" | "pdf" | "png") => Ok(file.with_extension("")),
+        Some("jpg" | "jpeg" | "eps") => {
+            let message = format!("{}: pictures are SVG, PDF and PNG", file.display());
+            refuse(message, "name FILE.svg or FILE.pdf")
         }
         _ => Ok(file.to_owned()),
     }
 }
 
-/// Where that of a case comes: of several sequences one each, its name behind the file's. Below the folder, for two of a picture's three files nobody named.
+/// Where that of a case comes: of several sequences one each, its name behind the file's. Below the folder, for nobody named but one of a picture's files.
 fn place(stem: &Path, case: &Case) -> ResultPath {
     let mut name = stem.file_name().unwrap_or_default().to_owned();
     if let Some(sequence) = &case.sequence {
