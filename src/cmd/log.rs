@@ -27,7 +27,7 @@ pub(crate) fn read_part(path: &Path, span: SpanArgs, how: &HowArgs) -> Result<Lo
     for warning in log.warnings() {
         errln!("warning: {}", printable(&warning));
     }
-    for fault in meaningless(&log.recording)? {
+    for fault in meaningless(&log.recording, log.alone)? {
         let remedy = fault.remedy.map(|remedy| format!(" -> {remedy}")).unwrap_or_default();
         errln!("warning: {}: {}{remedy}", fault.about, fault.text);
     }

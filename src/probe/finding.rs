@@ -1,6 +1,6 @@
 //! One thing that was found, of a log or of a configuration held against it.
 
-use dpn_core::named;
+use dpn_core::{Sensor, named};
 use serde::Serialize;
 
 named!(
@@ -53,6 +53,17 @@ impl Finding {
     pub(crate) fn figure(warns: bool, text: String) -> Self {
         let weight = if warns { Weight::Warning } else { Weight::Note };
         Self { weight, about: "noise parameters", text, remedy: None }
+    }
+
+    /// Whether it is of the zeros that stand for a sensor which the log, with the other one `alone`, does not have.
+    pub(crate) fn is_of_zeros(&self, alone: Option<Sensor>) -> bool {
+        match alone {
+            None => false,
+            Some(Sensor::Gyro) => {
+                self.text.starts_with("accel ") || ["gravity", "columns"].contains(&self.about)
+            }
+            Some(Sensor::Accel) => self.text.starts_with("gyro ") || self.about == "drift",
+        }
     }
 
     /// Whether a person should look at it.

@@ -395,6 +395,12 @@ fn of_a_log_with_one_sensor_alone_is_said_what_can_be() {
             words == "accelerometer",
             "{done:?}"
         );
+        // Of the zeros that stand for the other sensor nothing is said.
+        let noise = run(&["noise"], &log, &[]).well();
+        let other = if words == "gyroscope" { "accel" } else { "gyro" };
+        let said = format!("{}{}", noise.stdout, noise.stderr);
+        let is_of_other = |line: &&str| line.contains(other) && !line.contains("zeros");
+        assert_eq!(said.lines().filter(is_of_other).collect::<Vec<_>>(), [] as [&str; 0], "{said}");
     }
 }
 

@@ -92,15 +92,7 @@ pub struct LogFigures {
 #[cfg(feature = "logs")]
 pub fn examine_log(log: &Log) -> io::Result<Examination> {
     let mut examination = examine(&log.recording)?;
-    if let Some(sensor) = log.alone {
-        // What is said of zeros is none of the log's.
-        let other = if sensor == Sensor::Gyro { Sensor::Accel } else { Sensor::Gyro };
-        let is_of_zeros = |f: &Finding| {
-            f.text.starts_with(&format!("{other} "))
-                || (sensor == Sensor::Gyro && ["gravity", "columns"].contains(&f.about))
-        };
-        examination.findings.retain(|finding| !is_of_zeros(finding));
-    }
+    examination.findings.retain(|finding| !finding.is_of_zeros(log.alone));
     examination.findings.extend(reading::findings(log));
     let at_rest = [examination.figures.accel_noise, examination.figures.gyro_noise];
     examination.findings.extend(covariance::findings(log, at_rest));

@@ -93,11 +93,11 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// What is so wrong with clock, gravity, columns or units that no figure of the log means anything; units from some thousand of its samples.
+/// What is so wrong with clock, gravity, columns or units that no figure of the log, or of the sensor that it has `alone`, means anything; units from some thousand of its samples.
 ///
 /// # Errors
 /// As [`Samples::piece`](dpn_core::Samples::piece).
-pub fn meaningless(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
+pub fn meaningless(recording: &dyn Recorded, alone: Option<Sensor>) -> io::Result<Vec<Finding>> {
     const SAMPLES: usize = 5000;
     let (part, jumps) = clock::without_jumps(recording)?;
     let recording = part.as_ref().map_or(recording, |part| part);
@@ -119,7 +119,7 @@ pub fn meaningless(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     }
     findings.extend(mixed::overflows(measured)?);
     findings.extend(jumps.into_iter().chain(clock::unlikely(recording.rate())).chain(outliers));
-    findings.retain(|finding| finding.weight == Weight::Bad);
+    findings.retain(|finding| finding.weight == Weight::Bad && !finding.is_of_zeros(alone));
     Ok(findings)
 }
 
@@ -401,7 +401,8 @@ pub(crate) mod tests {
         });
         let words = "gravity stands in the gyroscope's columns (9.81 of its unit)";
         assert!(said(swapped.clone(), "columns")[0].contains(words), "{:?}", said(swapped, "columns"));
-        let quick = |samples: Vec<ImuSample>| meaningless(&ImuRecording::new(samples).unwrap()).unwrap();
+        let quick =
+            |samples: Vec<ImuSample>| meaningless(&ImuRecording::new(samples).unwrap(), None).unwrap();
         assert_eq!(quick(level(40)), []);
         assert_eq!(quick(with(|s| s.accel[2] -= 9.81))[0].about, "gravity");
         let spun = with(|s| s.gyro[1] = 90.0 * (s.t.ns() as f64 * 1e-9).sin());
@@ -422,7 +423,7 @@ pub(crate) mod tests {
         );
         let others = |e: &crate::doctor::Examination| e.findings.iter().map(|f| f.about).collect::<Vec<_>>();
         assert_eq!(others(&sick)[1..], others(&sound)[..]);
-        assert_eq!(meaningless(&recording).unwrap().len(), 1);
+        assert_eq!(meaningless(&recording, None).unwrap().len(), 1);
         assert!(!sick.findings.iter().any(|f| f.text.contains("inf") || f.text.contains("NaN")), "{sick:?}");
     }
 

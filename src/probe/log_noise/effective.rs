@@ -4,6 +4,7 @@
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
 use super::seen::seen;
+use super::summary::silent;
 use crate::allan::report::PASTED;
 use crate::doctor::values::steps_of;
 use crate::paste::{FigureLine, Paste};
@@ -177,6 +178,7 @@ impl EffectiveNoise {
                 }
             }
         }
+        let silent = silent(recording)?;
         let steps = steps_of(recording)?;
         let mut behind: Vec<Behind> = Vec::new();
         let mut all_seen = [Seen::Untold; 2];
@@ -199,7 +201,9 @@ impl EffectiveNoise {
             let hides = phase.is_some() && growth_hidden[i];
             // What is looked at above motion must be there.
             let slow = phase == Some(Phase::Moving) && rate.hz() < SLOWEST * MOTION_HZ;
-            lines.extend(if constant[i] {
+            lines.extend(if silent == Some(sensor) {
+                Some(FigureLine::unknown(Figure::white(sensor), "its values are zeros throughout"))
+            } else if constant[i] {
                 let why = "an axis never changes: it is off, or its steps are larger than its noise";
                 Some(FigureLine::unknown(Figure::white(sensor), why))
             } else if slow {

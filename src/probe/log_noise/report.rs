@@ -21,7 +21,7 @@ const SHAKEN: f64 = 3.0;
 pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     let mut all = Vec::new();
     for part in &summary.phases {
-        for outside in part.outside.iter().filter(|o| o.share > LOUD) {
+        for outside in part.outside.iter().filter(|o| o.share > LOUD && Some(o.sensor) != summary.silent) {
             let (percent, sensor) = (100.0 * outside.share, outside.sensor);
             match part.phase {
                 None => all.push(format!(
@@ -56,6 +56,9 @@ pub(super) fn in_motion(
         return Vec::new();
     };
     let words = |(sensor, seen): (Sensor, &Seen)| {
+        if Some(sensor) == summary.silent {
+            return None;
+        }
         let mut axes = part.of(sensor).map(|axis| axis.sigma.middle);
         let said = [axes.next()?, axes.next()?, axes.next()?];
         // What is extrapolated anyway is contradicted by a filter alone.
@@ -116,7 +119,7 @@ pub(super) fn at_rest(
             two(seen.high)
         ))
     };
-    Sensor::ALL.into_iter().filter_map(words).collect()
+    summary.sensors().filter_map(words).collect()
 }
 
 /// The page: how the log went, and quantiles by phase, per sample and as densities.
@@ -146,7 +149,7 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
         rate.hz(),
         1.0 / rate.hz().sqrt()
     );
-    for sensor in Sensor::ALL {
+    for sensor in summary.sensors() {
         let head = format!("{} [{}]", instrument(sensor), sensor.unit());
         let mut rows = vec![[&head, "time", "x", "y", "z", "out of range"].map(str::to_owned)];
         for part in &summary.phases {
@@ -163,7 +166,7 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
         text.push_str(&aligned(&rows));
     }
     if let (Some(rest), Some(moving)) = (summary.phase(Phase::Rest), summary.phase(Phase::Moving)) {
-        for sensor in Sensor::ALL {
+        for sensor in summary.sensors() {
             // What is extrapolated is no number, and neither is its ratio to one.
             let loud =
                 |p: &super::PhaseSummary| p.outside.iter().any(|o| o.sensor == sensor && o.share > MOST_OF);

@@ -4,7 +4,7 @@ use super::Track;
 use super::track::Answer;
 use crate::phases::{Phase, Stretch};
 use dpn_core::signal::ranks::{Column, Level, levels};
-use dpn_core::{Recorded, Sensor, Stamp};
+use dpn_core::{ImuSample, Recorded, Sensor, Stamp};
 use dpn_noise::Judged;
 use serde::Serialize;
 use std::io;
@@ -80,6 +80,28 @@ pub struct TrackSummary {
     pub outside: Vec<OutsideSpan>,
     /// Seconds at the log's begin in which the estimator had no full window and said a constant.
     pub unknown_s: f64,
+    /// The sensor that the log does not have: nothing is said of its zeros.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub silent: Option<Sensor>,
+}
+
+/// The sensor whose values are zeros throughout, as the other's are of a log with one alone.
+pub(super) fn silent(recording: &dyn Recorded) -> io::Result<Option<Sensor>> {
+    let mut is_silent = Sensor::ALL.map(|_| true);
+    // Nearly every log tells by its first samples.
+    for count in [recording.len().min(8), recording.len()] {
+        if is_silent.contains(&true) {
+            recording.each(0..count, &mut |s: &ImuSample| {
+                let all = is_silent.iter_mut().zip(Sensor::ALL);
+                all.for_each(|(is, sensor)| *is &= s.of(sensor) == [0.0; 3]);
+            })?;
+        }
+    }
+    Ok(match is_silent {
+        [true, false] => Some(Sensor::Accel),
+        [false, true] => Some(Sensor::Gyro),
+        _ => None,
+    })
 }
 
 impl TrackSummary {
@@ -112,11 +134,18 @@ impl TrackSummary {
             };
             phases.push(part(Some(phase), seconds, track, &|a| known(a) && inside(a))?);
         }
+        let silent = silent(recording)?;
         let mut spans = Vec::new();
-        for sensor in Sensor::ALL {
+        for sensor in Sensor::ALL.into_iter().filter(|sensor| Some(*sensor) != silent) {
             spans.extend(outside(track, start, sensor)?);
         }
-        Ok(Self { phases, stretches, outside: spans, unknown_s })
+        Ok(Self { phases, stretches, outside: spans, unknown_s, silent })
+    }
+
+    /// The sensors that the log has.
+    pub fn sensors(&self) -> impl Iterator<Item = Sensor> + use<> {
+        let silent = self.silent;
+        Sensor::ALL.into_iter().filter(move |sensor| Some(*sensor) != silent)
     }
 
     /// One phase.

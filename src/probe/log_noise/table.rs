@@ -5,7 +5,7 @@ use crate::doctor::Examination;
 use crate::paste::FigureLine;
 use crate::phases::phases;
 use crate::text::{aligned, three};
-use dpn_core::noise::Figure;
+use dpn_core::noise::{Figure, Interval};
 use dpn_core::{Recorded, Sensor};
 use serde::Serialize;
 use std::io;
@@ -24,6 +24,8 @@ pub struct NoiseOfLog {
     pub rest_s: f64,
     /// The figures that `dpn noise` of this log alone would paste, accelerometer and gyroscope; without a second of data none.
     pub noise: Vec<FigureLine>,
+    /// Densities at rest by the spectrum, accelerometer and gyroscope, the largest of the axes; none of a log that does not rest.
+    pub at_rest: [Option<f64>; 2],
     /// What the gravest finding that warns is about.
     pub worst: Option<&'static str>,
 }
@@ -40,6 +42,7 @@ impl NoiseOfLog {
             rate_hz: examination.rate_hz,
             length_s: examination.length_s,
             rest_s: examination.figures.rest_s,
+            at_rest: [examination.figures.accel_noise, examination.figures.gyro_noise],
             noise: effective.map_or_else(Vec::new, |effective| effective.paste.lines),
             worst: examination
                 .findings
@@ -53,20 +56,26 @@ impl NoiseOfLog {
         self.noise.iter().find(|line| line.figure == Figure::white(sensor))
     }
 
-    /// The largest of the axes.
-    fn density(&self, sensor: Sensor) -> String {
-        let axes = self.line(sensor).and_then(|line| line.density);
-        axes.map_or_else(
-            || "-".to_owned(),
-            |axes| three(axes.iter().map(|axis| axis.value).fold(0.0, f64::max)),
-        )
+    /// The figure to paste, the largest of the axes; where it is not known, that at rest.
+    fn density(&self, sensor: Sensor) -> Option<f64> {
+        let largest = |axes: [Interval; 3]| axes.iter().map(|axis| axis.value).fold(0.0, f64::max);
+        self.line(sensor).and_then(|line| line.density).map(largest).or(self.rest(sensor))
+    }
+
+    fn rest(&self, sensor: Sensor) -> Option<f64> {
+        self.at_rest[usize::from(sensor == Sensor::Gyro)]
     }
 
     /// Where the figures come from, or why there is none: once, where both sensors have the same.
     fn source(&self) -> String {
-        let words = |sensor: Sensor| self.line(sensor).map_or("too short", |line| line.words.as_str());
+        let words = |sensor: Sensor| match self.line(sensor) {
+            Some(line) if line.density.is_none() && self.rest(sensor).is_some() => {
+                format!("at rest, by the spectrum; in motion {}", line.words)
+            }
+            line => line.map_or("too short", |line| &line.words).to_owned(),
+        };
         match Sensor::ALL.map(words) {
-            [accel, gyro] if accel == gyro => accel.to_owned(),
+            [accel, gyro] if accel == gyro => accel,
             [accel, gyro] => format!("accel {accel}; gyro {gyro}"),
         }
     }
@@ -83,7 +92,8 @@ pub fn page(rows: &[Row]) -> String {
                     0.0 => "motion".to_owned(),
                     rest => format!("rest {rest:.0} of {:.0} s", of.length_s),
                 };
-                let [accel, gyro] = Sensor::ALL.map(|sensor| of.density(sensor));
+                let [accel, gyro] =
+                    Sensor::ALL.map(|sensor| of.density(sensor).map_or_else(|| "-".to_owned(), three));
                 let worst = of.worst.unwrap_or("-").to_owned();
                 [name.clone(), format!("{:.1}", of.rate_hz), state, accel, gyro, worst, of.source()]
             }

@@ -38,6 +38,9 @@ pub struct SensorNoise {
     pub sensor: Sensor,
     /// Where its values stand on several rows each.
     pub held: Option<Held>,
+    /// Whether all its values are zeros, as of a sensor that the log does not have.
+    #[serde(skip)]
+    pub silent: bool,
     /// x, y, z; none of an axis that never changes.
     pub axes: [Option<AxisNoise>; 3],
 }
@@ -142,14 +145,15 @@ impl RestNoise {
     ) -> io::Result<Option<Self>> {
         let Some(rows) = Rows::longest(recording, stretches, parts, LEAST_S)? else { return Ok(None) };
         let sensor = |sensor: Sensor| {
-            let mut axes = [const { None }; 3];
+            let (mut axes, mut silent) = ([const { None }; 3], true);
             for (axis, found) in axes.iter_mut().enumerate() {
                 if let Some((values, rate)) = rows.series(recording, sensor, axis)? {
+                    silent &= values.iter().all(|value| *value == 0.0);
                     let step = step(&values[..values.len().min(TELLING)]);
                     *found = density::density(&values, rate, step);
                 }
             }
-            Ok::<_, io::Error>(SensorNoise { sensor, held: rows.held(sensor), axes })
+            Ok::<_, io::Error>(SensorNoise { sensor, held: rows.held(sensor), silent, axes })
         };
         let sensors = [sensor(Sensor::Accel)?, sensor(Sensor::Gyro)?];
         Ok(Some(Self { from_s: rows.from_s, to_s: rows.to_s, bridged: rows.bridged(), sensors }))

@@ -11,7 +11,7 @@ impl RestNoise {
     pub fn page(&self) -> String {
         let head = format!("at rest, {:.0} to {:.0} s, by the spectrum", self.from_s, self.to_s);
         let mut rows = vec![[&head, "density (95 %)", "x", "y", "z"].map(str::to_owned)];
-        for sensor in &self.sensors {
+        for sensor in self.sensors.iter().filter(|sensor| !sensor.silent) {
             let unit = format!("{}/sqrt(Hz)", sensor.sensor.unit());
             let [x, y, z] =
                 sensor.axes.each_ref().map(|axis| axis.as_ref().map_or("constant".to_owned(), words));
