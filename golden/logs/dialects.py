@@ -84,6 +84,22 @@ def ridi():
     expect("ridi", "two_files", 200.0, rows, start, 2e-6, ["accelerometer from acce.txt", "stamps in ns"])
 
 
+def nclt():
+    """NCLT's ms25.csv, without a header: stamps in us, magnetometer, accelerometer, turning. What could mean several things is told."""
+    rows = motion(50, 120)
+    start = 1326030975_250000
+    table("nclt_ms25.csv", [], [[start + round(t * 1e6), 0.12, -0.25, 0.4, *a, *g] for t, g, a in rows])
+    expect("nclt_ms25.csv", "csv", 50.0, rows, start * 1000, 1e-6, ["stamps in us"], ["--columns", "1,8,9,10,5,6,7"])
+
+
+def tum_rgbd():
+    """TUM RGB-D's accelerometer.txt: one sensor, blanks."""
+    rows = [(t, [0.0, 0.0, 0.0], a) for t, _, a in motion(500, 120)]
+    write("tum_rgbd_accelerometer.txt", "# accelerometer data\n# file: 'rgbd_dataset_freiburg1_xyz.bag'\n# timestamp ax ay az\n" + "".join(
+        f"{1305031098 + t:.6f} {' '.join(f'{v:.6f}' for v in a)}\n" for t, _, a in rows))
+    expect("tum_rgbd_accelerometer.txt", "csv", 500.0, rows, 1305031098_000_000_000, 1e-6, ["stamps in s"])
+
+
 def androids():
     rows = motion(100, 120)
     start = 65972053803181
@@ -224,7 +240,7 @@ def gyroflow():
 
 
 def make():
-    for one in [iphones, core_motion, oxiod, ridi, androids, metawear, ticks, objects, without_stamps, others, gyroflow]:
+    for one in [iphones, core_motion, oxiod, ridi, nclt, tum_rgbd, androids, metawear, ticks, objects, without_stamps, others, gyroflow]:
         one()
     blackbox("betaflight.bbl")
     blackbox("betaflight_fine.bbl", 10)

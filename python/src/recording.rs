@@ -123,7 +123,7 @@ impl Recording {
 
 /// Reads any log that the command line reads: CSV, bags, MCAP, ULog, ArduPilot, ASL folders, packed or not. The GIL is released.
 ///
-/// Options are the command line's: topic; columns "T,GX,GY,GZ,AX,AY,AZ"; units of a CSV (time_unit s, ms, 100us, us, 100ns, ns; gyro_unit
+/// Options are the command line's: topic; columns "T,GX,GY,GZ,AX,AY,AZ"; units of a CSV (time_unit days, s, ms, 100us, us, 100ns, ns; gyro_unit
 /// rad/s, deg/s, mdeg/s, deg/h, rpm; accel_unit m/s^2, g, mg, cm/s^2, ft/s^2); sensor_scale such as "mpu6050-2g-250dps"; max_uncompressed in bytes.
 ///
 /// Raises Error: nothing there, nothing of use in it, several IMUs and no topic.

@@ -47,7 +47,7 @@ pub(crate) struct HowArgs {
     /// CSV columns, by number from 1 or by the header's names: stamp, gyroscope x y z, accelerometer x y z; without it, by what the names mean.
     #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ")]
     pub(crate) columns: Option<ColumnChoice>,
-    /// Unit of the CSV's stamps: s, ms, 100us, us, 100ns, ns; without it, by the header or their steps.
+    /// Unit of the CSV's stamps: days, s, ms, 100us, us, 100ns, ns; without it, by the header or their steps.
     #[arg(long, value_name = "UNIT", value_parser = word::<TimeUnit>)]
     pub(crate) time_unit: Option<TimeUnit>,
     /// Rate of a log without stamps: its samples are counted, those of a log whose stamps are not to be believed too. With --follow, rate of the samples.

@@ -1,5 +1,6 @@
 //! Units of a log's columns, and which column is what.
 
+use super::TimeUnit;
 use super::unit::{DEGREE, FOOT, STANDARD_GRAVITY, TURN};
 use dpn_core::named;
 use serde::{Deserialize, Serialize};
@@ -82,10 +83,10 @@ impl AccelUnit {
 /// Where a log keeps its stamps and its six axes: column indices from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImuColumns {
-    /// The stamp; whole seconds where `nanos` has the rest.
+    /// The stamp; whole seconds where `fraction` has the rest.
     pub time: usize,
-    /// Nanoseconds beside a stamp of whole seconds.
-    pub nanos: Option<usize>,
+    /// What goes on a stamp of whole seconds, in its unit.
+    pub fraction: Option<(usize, TimeUnit)>,
     /// Gyroscope x, y, z.
     pub gyro: [usize; 3],
     /// Accelerometer x, y, z.
@@ -100,11 +101,12 @@ impl ImuColumns {
     /// ASL's order: stamp, gyroscope x y z, accelerometer x y z.
     pub const ASL: Self = Self::new(0, [1, 2, 3], [4, 5, 6]);
     /// `ros2 topic echo --csv` of a `sensor_msgs/msg/Imu`: stamp in two, frame, orientation, then each triple with its nine covariances.
-    pub const ROS2_ECHO: Self = Self { nanos: Some(1), ..Self::new(0, [16, 17, 18], [28, 29, 30]) };
+    pub const ROS2_ECHO: Self =
+        Self { fraction: Some((1, TimeUnit::Nanos)), ..Self::new(0, [16, 17, 18], [28, 29, 30]) };
 
     /// Stamps in one column, rates and specific forces in six.
     pub const fn new(time: usize, gyro: [usize; 3], accel: [usize; 3]) -> Self {
-        Self { time, nanos: None, gyro, accel, intervals: [None; 2], gravity: None }
+        Self { time, fraction: None, gyro, accel, intervals: [None; 2], gravity: None }
     }
 }
 

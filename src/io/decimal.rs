@@ -8,6 +8,9 @@ named!(
     /// Unit of a column of stamps.
     #[derive(PartialOrd, Ord, Serialize, Deserialize)]
     pub enum TimeUnit {
+        /// Days, in which spreadsheets count from 1900 on and MATLAB from the year 0; stamps are rounded to a tenth of a microsecond.
+        #[serde(rename = "days")]
+        Days = "days",
         /// Seconds.
         #[serde(rename = "s")]
         Seconds = "s",
@@ -36,6 +39,7 @@ impl TimeUnit {
     /// One of these in seconds.
     pub fn seconds(self) -> f64 {
         match self {
+            Self::Days => 86_400.0,
             Self::Seconds => 1.0,
             Self::Millis => 1e-3,
             Self::HundredMicros => 1e-4,
@@ -45,9 +49,10 @@ impl TimeUnit {
         }
     }
 
-    /// Power of ten that makes nanoseconds of it.
+    /// Power of ten that makes nanoseconds of it; of days their billionths of a thousandth.
     fn power(self) -> i32 {
         match self {
+            Self::Days => 12,
             Self::Seconds => 9,
             Self::Millis => 6,
             Self::HundredMicros => 5,
@@ -77,8 +82,18 @@ pub(crate) fn parse_stamp(text: &[u8], unit: TimeUnit) -> Option<Stamp> {
         let epoch = TICKS_UNTIL_1970.into_iter().find(|epoch| ticks > *epoch).unwrap_or_default();
         return (ticks - epoch).checked_mul(100).map(Stamp::from_ns);
     }
-    scaled(text, unit.power()).map(Stamp::from_ns)
+    let scaled = scaled(text, unit.power())?;
+    if unit == TimeUnit::Days {
+        let days = |epoch: i64| epoch * 10_i64.pow(12);
+        let epoch = DAYS_UNTIL_1970.into_iter().map(days).find(|epoch| scaled > *epoch).unwrap_or_default();
+        let ns = (i128::from(scaled - epoch) * 864 + 5).div_euclid(10);
+        return i64::try_from(ns).ok().map(Stamp::from_ns);
+    }
+    Some(Stamp::from_ns(scaled))
 }
+
+/// Days from MATLAB's epoch and from a spreadsheet's until 1970.
+pub(crate) const DAYS_UNTIL_1970: [i64; 2] = [719_529, 25_569];
 
 /// Counts of 100 ns from .NET's epoch and from Windows' until 1970.
 pub(crate) const TICKS_UNTIL_1970: [i64; 2] = [621_355_968_000_000_000, 116_444_736_000_000_000];
@@ -164,6 +179,17 @@ mod tests {
         assert_eq!(ns("12.3456", TimeUnit::Micros), Some(12346));
         assert_eq!(ns(&format!("1.{}", "1".repeat(99)), TimeUnit::Seconds), Some(1_111_111_111));
         assert_eq!(ns("1e-400", TimeUnit::Seconds), Some(0));
+    }
+
+    #[test]
+    fn days_count_from_a_spreadsheets_epoch_or_matlabs_or_a_start() {
+        // Noon of 2023-10-01.
+        for days in ["45200.5", "739160.5"] {
+            assert_eq!(ns(days, TimeUnit::Days), Some(1_696_161_600_000_000_000));
+        }
+        assert_eq!(ns("45200.500000000058", TimeUnit::Days), Some(1_696_161_600_000_005_011));
+        assert_eq!(ns("0.25", TimeUnit::Days), Some(21_600_000_000_000));
+        assert_eq!(ns("-0.25", TimeUnit::Days), Some(-21_600_000_000_000));
     }
 
     #[test]

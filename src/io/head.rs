@@ -14,7 +14,7 @@ use dpn_core::signal::stats::median_of;
 use std::path::Path;
 
 /// Lines among which the header is looked for.
-const LINES: usize = 200;
+const LINES: usize = 2000;
 /// Columns that a line must name to be a header: a stamp and one sensor.
 const NAMES: usize = 4;
 

@@ -10,7 +10,9 @@ use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::row_fault::RowFault;
 use super::rows::Header;
 use super::unit::{self, Dimension};
-use super::words::{ACCEL, APPLES, GYRO, INTERVALS, MAY_LACK_GRAVITY, NANOS, TIME, WITHOUT_GRAVITY, Word};
+use super::words::{
+    ACCEL, APPLES, GYRO, INTERVALS, MAY_LACK_GRAVITY, MICROS, NANOS, TIME, WITHOUT_GRAVITY, Word,
+};
 use super::{IoError, TimeUnit};
 use dpn_core::Sensor;
 use std::path::Path;
@@ -138,12 +140,16 @@ pub(crate) fn from_header(
         let at = |axis| header.names.iter().position(|name| without_unit(name) == format!("{gravity}{axis}"));
         Some([at('x')?, at('y')?, at('z')?])
     });
-    let nanos = time
-        .first()
-        .map_or("", |time| word(*time))
-        .contains("sec")
-        .then(|| header.names.iter().position(|name| NANOS.contains(&stripped(&reduced(name)))))
-        .flatten();
+    let beside = |words: &[&str], unit: TimeUnit| {
+        let found = header.names.iter().position(|name| words.contains(&stripped(&reduced(name))));
+        found.map(|column| (column, unit)).filter(|(column, _)| !time.contains(column))
+    };
+    let is_whole = time.first().map_or("", |time| word(*time)).contains("sec");
+    let fraction = beside(&NANOS, TimeUnit::Nanos).or_else(|| beside(&MICROS, TimeUnit::Micros));
+    let fraction = fraction.filter(|_| is_whole);
+    if let Some((column, _)) = fraction {
+        passed.retain(|words| !words.ends_with(&format!("not `{}`", header.names[column])));
+    }
     let interval = |axes: [usize; 3]| -> Result<Option<usize>, IoError> {
         let Some((_, wanted)) = INTERVALS.iter().find(|(increment, _)| *increment == word(axes[0])) else {
             return Ok(None);
@@ -154,7 +160,7 @@ pub(crate) fn from_header(
     Ok(Named {
         columns: ImuColumns {
             time: time.first().copied().unwrap_or_default(),
-            nanos,
+            fraction,
             gyro,
             accel,
             intervals: [interval(gyro)?, interval(accel)?],
@@ -400,6 +406,9 @@ fn slot_of(name: &str) -> Option<(usize, Word)> {
 
 fn time_unit(unit: &str) -> Option<TimeUnit> {
     let unit = unit.strip_prefix("in").unwrap_or(unit);
+    if ["d", "day", "days"].contains(&unit) {
+        return Some(TimeUnit::Days);
+    }
     known(unit, Dimension::TIME, &TimeUnit::USUAL, TimeUnit::seconds)
 }
 
@@ -485,7 +494,7 @@ mod tests {
         assert_eq!(mavlink.columns, ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
         assert_eq!(mavlink.time, Some(TimeUnit::Micros));
         let split = named("header.stamp.sec,header.stamp.nanosec,gx,gy,gz,ax,ay,az").unwrap();
-        assert_eq!(split.columns.nanos, Some(1));
+        assert_eq!(split.columns.fraction, Some((1, TimeUnit::Nanos)));
     }
 
     #[test]

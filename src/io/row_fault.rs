@@ -125,7 +125,7 @@ impl RowFault {
                 "dates are read year first (2023-10-29T02:59:40.25+01:00), times of day as 02:59:40.25: write them so or in seconds, ms, us or ns, or count the samples (--rate HZ)"
             }
             Self::BadNumber { text, .. } if text.is_empty() => {
-                "an empty field is no number: mend or delete the line; of rows that have one sensor each make a file a sensor, gyro.csv and accel.csv in a folder, and give that"
+                "an empty field is no number: mend or delete the line; rows that have one sensor each are read without --columns and --rate"
             }
             Self::BadNumber { .. } | Self::NotFinite { .. } => {
                 "mend or delete the line; nothing is skipped silently"

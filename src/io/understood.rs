@@ -9,7 +9,7 @@
 
 use super::choice::ColumnChoice;
 use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
-use super::decimal::TICKS_UNTIL_1970;
+use super::decimal::{DAYS_UNTIL_1970, TICKS_UNTIL_1970};
 use super::names::{self, Named, Told};
 use super::row_fault::RowFault;
 use super::rows::Rows;
@@ -17,6 +17,7 @@ use super::{IoError, TimeUnit, guess};
 use dpn_core::imu::ImuSample;
 use dpn_core::signal::stats::{median_of, upper_median};
 use dpn_core::{SampleRate, Sensor, Stamp};
+use std::ops::Range;
 use std::path::Path;
 
 /// A step between stamps since 1970 is shorter than this \[s\].
@@ -103,7 +104,7 @@ impl Understood {
         let (columns, said) = columns(rows, path, options, only)?;
         let counted = options.rate;
         let first = || first_rows(rows.clone(), &columns.value, loose, counted.is_none());
-        let seconds = columns.value.nanos.map(|_| TimeUnit::Seconds);
+        let seconds = columns.value.fraction.map(|_| TimeUnit::Seconds);
         // What is said is not to be, where nothing is sampled as fast.
         let likely = |value: &TimeUnit| {
             first().is_ok_and(|first| first.step().is_none_or(|step| step * value.seconds() > FASTEST_S))
@@ -168,8 +169,8 @@ impl Understood {
             Some(rate) => counted_stamp(rows.number_of_row(), rate),
             None => rows.stamp(columns.time, self.time.value)?,
         };
-        if let Some(nanos) = columns.nanos {
-            t = Stamp::from_ns(t.ns().saturating_add(rows.stamp(nanos, TimeUnit::Nanos)?.ns()));
+        if let Some((column, unit)) = columns.fraction {
+            t = Stamp::from_ns(t.ns().saturating_add(rows.stamp(column, unit)?.ns()));
         }
         let mut gyro = rows.numbers(columns.gyro, [gx, gy, gz])?;
         let mut accel = rows.numbers(columns.accel, [ax, ay, az])?;
@@ -235,6 +236,7 @@ fn columns(
         let units = [options.time.is_some(), options.gyro.is_some(), options.accel.is_some()];
         let named = names::from_header(header, path, only, Told { counted, units })?;
         let Named { mut columns, time, fine, gyro, accel, gravity_may_be_in, mut passed } = named;
+        columns.fraction = columns.fraction.filter(|fraction| is_fraction(rows.clone(), *fraction));
         columns.gravity =
             columns.gravity.filter(|axes| !gravity_may_be_in || lacks_gravity(rows, columns.accel, *axes));
         if let Some(axes) = columns.gravity {
@@ -247,13 +249,19 @@ fn columns(
     }
     // A row's number may go before the stamp.
     let first = usize::from(only.is_none() && rows.width() > 7 && is_numbered(rows.clone()));
+    let last = rows.width() - 1;
+    let is_last = only.is_none() && !counted && last >= 6 && !increases(rows.clone(), 0);
     let value = match only {
         _ if rows.first_is_ros2_echo() => ImuColumns::ROS2_ECHO,
         Some(_) if counted && rows.width() == 3 => ImuColumns::new(0, [0, 1, 2], [0, 1, 2]),
         Some(_) if rows.width() >= 4 => ImuColumns::new(0, [1, 2, 3], [1, 2, 3]),
         None if counted && rows.width() == 6 => ImuColumns::new(0, [0, 1, 2], [3, 4, 5]),
         None if ends_with_quaternion(rows.clone()) => return Err(rows.below(RowFault::Poses)),
-        None if rows.width() >= SEVERAL + first => return Err(several(rows, first)),
+        None if is_last && increases(rows.clone(), last) => match last {
+            6 => ImuColumns::new(6, [0, 1, 2], [3, 4, 5]),
+            _ => return Err(several(rows, last, 0..last)),
+        },
+        None if rows.width() >= SEVERAL + first => return Err(several(rows, first, first + 1..rows.width())),
         None if first == 1 => ImuColumns::new(1, [2, 3, 4], [5, 6, 7]),
         None if rows.width() >= 7 => ImuColumns::ASL,
         _ => {
@@ -293,6 +301,33 @@ fn ends_with_quaternion(mut rows: Rows<'_>) -> bool {
     (8..=9).contains(&width) && norms.next().is_some_and(is_unit) && norms.all(is_unit)
 }
 
+/// Whether a column of the first rows stays below a second of its unit, as what goes on a stamp of whole seconds does.
+fn is_fraction(mut rows: Rows<'_>, (column, unit): (usize, TimeUnit)) -> bool {
+    const ROWS: usize = 1000;
+    for _ in 0..ROWS {
+        let Ok(true) = rows.advance() else { break };
+        if rows.number(column, SLOTS[0]).is_ok_and(|value| !(0.0..1.0).contains(&(value * unit.seconds()))) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Whether a column of the first rows increases as stamps do.
+fn increases(mut rows: Rows<'_>, column: usize) -> bool {
+    const ROWS: usize = 50;
+    let mut before = None;
+    for _ in 0..ROWS {
+        let Ok(true) = rows.advance() else { break };
+        let stamp = rows.date(column).map(|date| date.ns() as f64);
+        let Some(stamp) = stamp.or_else(|| rows.number(column, SLOTS[0]).ok()) else { return false };
+        if before.replace(stamp).is_some_and(|before| stamp <= before) {
+            return false;
+        }
+    }
+    before.is_some()
+}
+
 /// Whether the first column counts the rows of a table without a header, and the second increases as stamps do.
 fn is_numbered(mut rows: Rows<'_>) -> bool {
     const ROWS: usize = 10;
@@ -310,16 +345,14 @@ fn is_numbered(mut rows: Rows<'_>) -> bool {
 }
 
 /// The error for a table without a header in which several triples of columns could be a sensor's: which they are, and how long.
-fn several(table: &Rows<'_>, stamp: usize) -> IoError {
+fn several(table: &Rows<'_>, stamp: usize, among: Range<usize>) -> IoError {
     const ROWS: usize = 1000;
     let mut rows = table.clone();
-    let triples = (rows.width() - 1 - stamp) / 3;
+    let (triples, begin) = (among.len() / 3, among.start);
     let mut lengths = vec![Vec::new(); triples];
     let names = ["a number"; 3];
     while lengths[0].len() < ROWS && matches!(rows.advance(), Ok(true)) {
-        for (triple, lengths) in
-            lengths.iter_mut().enumerate().map(|(k, lengths)| (stamp + 1 + 3 * k, lengths))
-        {
+        for (triple, lengths) in lengths.iter_mut().enumerate().map(|(k, lengths)| (begin + 3 * k, lengths)) {
             let numbers = rows.numbers([triple, triple + 1, triple + 2], names);
             lengths.extend(numbers.map(|v| v.into_iter().map(|v| v * v).sum::<f64>().sqrt()));
         }
@@ -327,12 +360,12 @@ fn several(table: &Rows<'_>, stamp: usize) -> IoError {
     let medians: Vec<Option<f64>> = lengths.into_iter().map(median_of).collect();
     let shown = |(k, median): (usize, &Option<f64>)| {
         let length = median.map_or("no numbers".to_owned(), |median| format!("{median:.4}"));
-        format!("{} to {}: {length}", stamp + 3 * k + 2, stamp + 3 * k + 4)
+        format!("{} to {}: {length}", begin + 3 * k + 1, begin + 3 * k + 3)
     };
     let found = medians.iter().enumerate().map(shown).collect::<Vec<_>>().join(", ");
     let gravity = medians.iter().position(|median| median.is_some_and(guess::is_gravity));
     let choice = |gyro: usize| {
-        let of = |k: usize| [2, 3, 4].map(|at| (stamp + 3 * k + at).to_string()).join(",");
+        let of = |k: usize| [1, 2, 3].map(|at| (begin + 3 * k + at).to_string()).join(",");
         format!("--columns {},{},{}", stamp + 1, of(gyro), gravity.map_or_else(|| "AX,AY,AZ".to_owned(), of))
     };
     let others = (0..triples.min(4)).filter(|k| Some(*k) != gravity && medians[*k].is_some());
@@ -430,6 +463,12 @@ fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Result<TimeUn
     let find = |is: &dyn Fn(&TimeUnit) -> bool| TimeUnit::USUAL.into_iter().find(|unit| is(unit));
     if let Some(unit) = find(&century) {
         return Ok(unit);
+    }
+    let days = CENTURY_S.map(|seconds| seconds / TimeUnit::Days.seconds());
+    if DAYS_UNTIL_1970.into_iter().any(|epoch| within(start - epoch as f64, days[0], days[1]))
+        && within(step.abs() * TimeUnit::Days.seconds(), 1e-4, 1e-1)
+    {
+        return Ok(TimeUnit::Days);
     }
     let in_century = |epoch: i64| within(start - epoch as f64, CENTURY_S[0] * 1e7, CENTURY_S[1] * 1e7);
     if TICKS_UNTIL_1970.into_iter().any(in_century) && within(step, 1e3, 1e7) {

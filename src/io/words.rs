@@ -50,6 +50,19 @@ pub(super) const TIME: [Word; 42] = [
     ("sec", 3, "s"),
     ("t", 2, ""),
 ];
+/// The same in microseconds; they are stamps of their own too.
+pub(super) const MICROS: [&str; 10] = [
+    "us",
+    "usec",
+    "usecs",
+    "micros",
+    "microsec",
+    "microseconds",
+    "tvusec",
+    "timeusec",
+    "timestampus",
+    "timestampusec",
+];
 /// Of the rest of a stamp whose whole seconds stand in another column.
 pub(super) const NANOS: [&str; 9] = [
     "headerstampnanosec",

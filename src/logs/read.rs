@@ -13,9 +13,9 @@ use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, gcsv, json,
 use dpn_core::{ImuSample, Sensor};
 use dpn_io::asl::Sequence;
 use dpn_io::{
-    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, Settled, StoredRecording,
-    Understood, names_all, only_sensor, parse_imu_csv_loosely, parse_one_sensor_loosely, printable,
-    settle_units,
+    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, OneEach, Origin, SampleStore, Settled,
+    StoredRecording, Understood, names_all, only_sensor, parse_imu_csv_loosely, parse_one_sensor_loosely,
+    printable, settle_units,
 };
 use std::fs::File;
 #[cfg(feature = "zip")]
@@ -298,6 +298,16 @@ fn text(
         let log = TwoFiles::of(of(&long.gyro), of(&long.accel)).read(path, options)?;
         return Ok(Log { kind, ..log });
     }
+    let is_told = options.csv.columns.is_some() || options.csv.rate.is_some();
+    if !is_told && let Some(table) = OneEach::of(&head) {
+        let text = whole(head)?;
+        let [gyro, accel] = [Sensor::Gyro, Sensor::Accel].map(|sensor| {
+            let name = format!("the {sensor}'s rows");
+            Source::Text(name, table.rows_of(&text, sensor), file.to_path_buf())
+        });
+        let log = TwoFiles::of(gyro, accel).read(path, options)?;
+        return Ok(Log { kind, ..log });
+    }
     if oxiod::is(&head) {
         let mut log = text(oxiod::table(&whole(head)?).as_bytes(), file, path, kind, options)?;
         log.guesses.insert(0, oxiod::WORDS.to_owned());
@@ -361,6 +371,7 @@ fn text(
             ImuColumns { time: 1, .. } if columns.origin == Origin::Assumed => {
                 format!("columns as row number, stamp, {order} (--columns)")
             }
+            ImuColumns { time: 6, .. } => format!("columns as {order}, stamp (--columns)"),
             _ => format!("columns as stamp, {order} (--columns)"),
         },
     );

@@ -404,6 +404,55 @@ fn of_a_log_with_one_sensor_alone_is_said_what_can_be() {
     }
 }
 
+#[test]
+fn tables_with_a_sensor_a_row_with_the_stamp_last_in_two_columns_or_in_days_are_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = rows(4000, 5_000_000);
+    let axes = |v: &[f64]| v.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    let seconds = |t: i64| format!("{}.{:09}", t / 1_000_000_000, t % 1_000_000_000);
+    let text = |head: &str, row: &dyn Fn(i64, &[f64; 6]) -> String| -> String {
+        format!("{head}\n{}", rows.iter().map(|(t, v)| row(*t, v) + "\n").collect::<String>())
+    };
+    let head = "time,gx,gy,gz,ax,ay,az";
+    let preamble = (0..400).map(|i| format!("line {i} of a preamble\n")).collect::<String>();
+    for (name, text, said) in [
+        (
+            "apart",
+            text(head, &|t, v| {
+                let (t, later) = (seconds(t), seconds(t + 2_000_000));
+                format!("{t},{},,,\n{later},,,,{}", axes(&v[..3]), axes(&v[3..]))
+            }),
+            "the gyro's rows",
+        ),
+        ("last", text("", &|t, v| format!("{},{}", axes(v), seconds(t))), "gyroscope, accelerometer, stamp"),
+        (
+            "two",
+            text("sec,usec,gx,gy,gz,ax,ay,az", &|t, v| {
+                format!("{},{},{}", t / 1_000_000_000, t % 1_000_000_000 / 1000, axes(v))
+            }),
+            "",
+        ),
+        (
+            "days",
+            text(head, &|t, v| format!("{:.11},{}", t as f64 / 86_400e9 + 25_569.0, axes(v))),
+            "stamps in days",
+        ),
+        ("preamble", preamble + &text(head, &|t, v| format!("{},{}", seconds(t), axes(v))), "stamps in s"),
+    ] {
+        let done = check(&write(dir.path(), &format!("{name}.csv"), &text), &[]).well();
+        let rate = done.stdout.split(", ").nth(2).and_then(|words| words.split(' ').next());
+        let hz: f64 = rate.unwrap().parse().unwrap();
+        assert!((hz / 200.0 - 1.0).abs() < 1e-3 && done.stdout.contains(said), "{name}: {done:?}");
+        assert!(!done.stdout.contains("bad: ") && done.stdout.contains("reads 9.8"), "{name}: {done:?}");
+    }
+    // Wider ones are asked about, and what is offered works.
+    let wide =
+        write(dir.path(), "wide.csv", &text("", &|t, v| format!("{},.1,.2,.3,{}", axes(v), seconds(t))));
+    let asked = check(&wide, &[]);
+    assert!(asked.code == Some(2) && asked.stderr.contains("say --columns 10,1,2,3,4,5,6 or"), "{asked:?}");
+    check(&wide, &["--columns", "10,1,2,3,4,5,6"]).well();
+}
+
 /// A log and the flags that it is checked with.
 type Told = (String, &'static [&'static str]);
 
