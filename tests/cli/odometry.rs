@@ -277,6 +277,18 @@ fn on_flights_as_they_are_no_bias_jumps() {
     }
 }
 
+/// An adjustment of this start that begins at the linear alignment's scale ends with three and a half times the size.
+#[test]
+fn a_start_in_flight_with_two_answers_is_waited_through() {
+    let Some([euroc, tracks]) = dpn_testing::packs(["euroc", "tracks"]) else { return };
+    let tmp = tempfile::tempdir().unwrap();
+    let span =
+        ["--from", "44", "--to", "55", "--noise", "self", "--json", "--tracks", tracks.to_str().unwrap()];
+    let said = odometry(&euroc.join("MH_04_difficult"), &tmp.path().join("out"), &span).well().json();
+    let error = said["report"]["row"]["scale_error"].as_f64().expect("it starts");
+    assert!(error.abs() < 0.1, "{error}");
+}
+
 #[test]
 fn a_noise_made_of_a_first_run_is_that_of_a_closed_loop() {
     let tmp = tempfile::tempdir().unwrap();

@@ -17,6 +17,8 @@ use dpn_core::GRAVITY;
 use dpn_core::geometry::sphere::tangent_basis;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, SMatrix, SVector, Vector3};
 
+/// Deviation of a scale that is expected, over it.
+const EXPECTED_SCALE_STD: f64 = 0.3;
 /// Rounds on the sphere of gravity.
 const SPHERE_ROUNDS: usize = 4;
 
@@ -54,20 +56,21 @@ impl Columns {
 
 /// Aligns `cameras` (world from camera) with `preints`, the IMU between consecutive ones; `None` where that has no solution.
 ///
-/// `position_std` is the cameras' uncertainty in their own unit.
+/// `position_std` is the cameras' uncertainty in their own unit; an `expected` scale, if there is one, counts as a measurement of it.
 pub(super) fn align(
     cameras: &[Isometry3<f64>],
     position_std: f64,
     preints: &[Preintegration],
     body_from_cam: &Isometry3<f64>,
     config: &InitConfig,
+    expected: Option<f64>,
 ) -> Option<Aligned> {
     // The cameras' uncertainty is in their unit; a first solution without it tells how many metres that is.
     let mut scale = 0.0;
     let mut gravity = None;
     let mut solution = None;
     for round in 0..=SPHERE_ROUNDS {
-        let solved = solve(cameras, scale * position_std, preints, body_from_cam, config, gravity)?;
+        let solved = solve(cameras, scale * position_std, preints, body_from_cam, config, gravity, expected)?;
         let direction = solved.gravity.try_normalize(1e-6)?;
         scale = solved.scale.abs();
         gravity = Some(direction);
@@ -86,6 +89,7 @@ fn solve(
     body_from_cam: &Isometry3<f64>,
     config: &InitConfig,
     direction: Option<Vector3<f64>>,
+    expected: Option<f64>,
 ) -> Option<Aligned> {
     let columns = Columns { frames: cameras.len() };
     let gravity_columns = if direction.is_some() { 2 } else { 3 };
@@ -143,6 +147,12 @@ fn solve(
         let at = columns.bias() + axis;
         information[(at, at)] += config.accel_bias_std.powi(-2);
     }
+    if let Some(expected) = expected {
+        let weight = (EXPECTED_SCALE_STD * expected).powi(-2);
+        information[(columns.scale(), columns.scale())] += weight;
+        right[columns.scale()] += weight * expected;
+        total += weight * expected * expected;
+    }
     let factor = information.cholesky()?;
     let x = factor.solve(&right);
     if !x.iter().all(|v| v.is_finite()) {
@@ -187,7 +197,7 @@ mod tests {
                 })
                 .collect();
             let config = InitConfig { accel_bias_std: 10.0, ..InitConfig::default() };
-            let found = align(&cameras, 1e-4, &scene.preints, &body_from_cam(), &config).unwrap();
+            let found = align(&cameras, 1e-4, &scene.preints, &body_from_cam(), &config, None).unwrap();
             assert!((found.scale / unit - 1.0).abs() < 0.01, "seed {seed}: scale {} of {unit}", found.scale);
             let down = turn * Vector3::new(0.0, 0.0, -1.0);
             assert!(found.gravity.angle(&down).to_degrees() < 0.3, "seed {seed}");
@@ -203,7 +213,8 @@ mod tests {
     fn without_acceleration_the_scale_is_not_certain() {
         let straight = |t: f64| Isometry3::new(Vector3::new(0.8 * t, 0.2 * t, 0.0), Vector3::zeros());
         let scene = Scene::new(&straight, 11, 0.25, 0.0, 1);
-        let found = align(&scene.cameras, 0.01, &scene.preints, &body_from_cam(), &InitConfig::default());
+        let found =
+            align(&scene.cameras, 0.01, &scene.preints, &body_from_cam(), &InitConfig::default(), None);
         assert!(found.is_none_or(|a| a.scale_std > 0.3));
     }
 }

@@ -6,10 +6,10 @@ use super::config::{InitConfig, TRACK_STD_PX};
 use super::frame::shared;
 use super::gyro_bias::{self, RotationPair};
 use super::outcome::{Initialised, InitialisedFrame, WaitReason};
-use super::refine::{Known, refine};
-use super::structure::{self, Input};
+use super::refine::{Known, Refined, refine};
+use super::structure::{self, Input, Structure};
 use crate::preint::Preintegration;
-use crate::state::{GYRO_BIAS, ImuBias, ROTATION};
+use crate::state::{GYRO_BIAS, ImuBias, NavState, ROTATION};
 use dpn_core::random::Stream;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
@@ -21,6 +21,10 @@ const PAIR_REACH: usize = 2;
 const CAMERA_STD: f64 = 0.02;
 /// Relative deviation of the alignment's scale beyond which refining is not tried.
 const HOPELESS_SCALE_STD: f64 = 1.0;
+/// Two adjustments have ended in one place whose sizes differ by no more than this, as a logarithm, or than a share of the deviation that the scale is said to have:
+/// the less certain a scale, the slower they arrive.
+const SAME: f64 = 0.01;
+const SAME_OF_STD: f64 = 0.2;
 /// How much larger than its deviation the gyro's bias found from tracks may be off: they agree on a translation, if a wrong one, also
 /// where it is small.
 const BIAS_STD_INFLATION: f64 = 4.0;
@@ -70,17 +74,8 @@ pub(super) fn attempt(
         gyro_bias_std: BIAS_STD_INFLATION * turned.std,
     };
     let structure = structure::build(&input, config, &stream.named("structure"))?;
-    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
-    let aligned = align(&structure.cameras, CAMERA_STD, &preints, body_from_cam, config)
-        .ok_or(uncertain(f64::INFINITY))?;
-    if aligned.scale <= 0.0 {
-        return Err(uncertain(f64::INFINITY));
-    }
-    if aligned.scale_std.is_nan() || aligned.scale_std > HOPELESS_SCALE_STD {
-        return Err(uncertain(aligned.scale_std));
-    }
     let known = Known { frames: &chosen.frames, preints: &preints, at_rest: &chosen.at_rest, body_from_cam };
-    let refined = refine(&structure, &aligned, &known, config)?;
+    let refined = metric(&structure, &known, config)?;
     Ok(Initialised {
         frames: chosen
             .frames
@@ -94,6 +89,36 @@ pub(super) fn attempt(
         from_rest: chosen.at_rest.first().copied().unwrap_or(false),
         fit: refined.fit,
     })
+}
+
+/// States in metres. The linear alignment makes motions too small, for cameras that are not exact lessen what it sees of them, and an adjustment that begins too
+/// small can end where noise of the accelerometer explains what is wrong. So it is begun twice, the second time from twice the size, and both have to end in one
+/// place.
+fn metric(structure: &Structure, known: &Known<'_>, config: &InitConfig) -> Result<Refined, WaitReason> {
+    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
+    let aligned = |expected| {
+        let found =
+            align(&structure.cameras, CAMERA_STD, known.preints, known.body_from_cam, config, expected)
+                .ok_or(uncertain(f64::INFINITY))?;
+        let std = if found.scale > 0.0 { found.scale_std } else { f64::INFINITY };
+        if std <= HOPELESS_SCALE_STD { Ok(found) } else { Err(uncertain(std)) }
+    };
+    let first = aligned(None)?;
+    let found = refine(structure, &first, known, config)?;
+    let again = refine(structure, &aligned(Some(2.0 * first.scale))?, known, config)?;
+    let apart = (extent(&found.states) / extent(&again.states)).ln().abs();
+    if apart <= SAME.max(SAME_OF_STD * found.scale_std) {
+        Ok(found)
+    } else {
+        Err(uncertain(apart.max(config.max_scale_std)))
+    }
+}
+
+/// Root of the mean square distance of the positions from their mean \[m\].
+fn extent(states: &[NavState]) -> f64 {
+    let positions = states.iter().map(|s| s.world_from_body.translation.vector);
+    let mean = positions.clone().sum::<Vector3<f64>>() / states.len() as f64;
+    (positions.map(|p| (p - mean).norm_squared()).sum::<f64>() / states.len() as f64).sqrt()
 }
 
 /// What neighbouring frames and the gyro between them say of its bias.
