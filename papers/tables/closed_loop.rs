@@ -32,7 +32,7 @@ pub(crate) fn closed_loop(input: &Input, rows: &RowSet<'_>, made_by: Provenance)
         table.note(format!("DualProNet's mean error is {rate:.1} % below that of x1{test}. The column's means are, as the paper's, means of the sequences' rates."));
     }
     table.note("A cell is the median over seeds after SE(3) alignment; ! and a number: failed runs. The networks that come with the \
-                program were trained on EuRoC's training sequences, those of --train on the training sequences here; x1 is .08 m/s^2 and .004 rad/s.");
+                program were trained on EuRoC's training sequences; x1 is .08 m/s^2 and .004 rad/s.");
     if beside {
         table.note(format!(
             "The paper's runs are on EuRoC's images, ours on {}: compare columns, not single cells. Its means are recomputed here from its rows.",

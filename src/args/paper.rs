@@ -38,12 +38,6 @@ pub(crate) struct PaperArgs {
     /// Seconds after the first frame at which runs begin; `table`: 40 in MH_01, 35 in MH_02, 0 elsewhere.
     #[arg(long, value_name = "SECONDS|table", default_value_t)]
     pub(crate) from: StartAt,
-    /// Train both networks first (the default configurations, on the same data) instead of taking those that come with the program.
-    #[arg(long, conflicts_with = "models")]
-    pub(crate) train: bool,
-    /// Epochs of that training; without it the configuration's.
-    #[arg(long, value_name = "N", requires = "train")]
-    pub(crate) epochs: Option<u64>,
     /// Folder of trained networks, instead of those that come with the program.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
@@ -60,7 +54,7 @@ pub(crate) struct PaperArgs {
     #[command(flatten)]
     pub(crate) cache: super::CacheArgs,
     /// Run nothing: make tables, figures and page of the runs of another build of this version, named by the checksum that its tables give.
-    #[arg(long, value_name = "CHECKSUM", conflicts_with = "train")]
+    #[arg(long, value_name = "CHECKSUM")]
     pub(crate) measured_by: Option<String>,
     /// Print stages, findings and files as JSON on stdout.
     #[arg(long)]

@@ -1,32 +1,28 @@
 //! `dpn paper`.
 
 use super::cores::cores;
-use super::{cache, device, program, program_of, settings, shipped, stop};
+use super::{cache, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
-use crate::ui::{Bar, Interrupted, errln, outln, refuse, warn};
+use crate::ui::{Bar, errln, outln, refuse, warn};
 use anyhow::Result;
-use dpn_core::Sensor;
 use dpn_eval::closed_loop::{Experiment, Settings};
 use dpn_io::FolderLock;
-use dpn_papers::{Done, Input, Paper, PaperError, PaperPlan, id};
+use dpn_papers::{Done, Paper, PaperError, PaperPlan};
 use dpn_pronet::network;
-use dpn_pronet::network::Network;
-use dpn_train::config::TrainConfig;
-use dpn_train::corpus::Corpus;
-use dpn_train::run::{Run, RunError};
-use dpn_train::trainer::TrainError;
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let opened = asked(args)?.open()?;
-    let input = &opened.input;
-    warn(input.missing.iter().map(|missing| format!("no row for {}: {}", missing.name, missing.reason)));
+    warn(
+        opened.input.missing.iter().map(|missing| format!("no row for {}: {}", missing.name, missing.reason)),
+    );
     let _work = FolderLock::take(&args.work)?;
     let same = std::fs::canonicalize(args.work.path()).ok() == std::fs::canonicalize(args.out.path()).ok();
     let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
     let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
-    let networks = chosen_networks(args, input, &stop)?;
+    let networks = match &args.models {
+        Some(dir) => network::load_all(dir)?,
+        None => shipped::networks()?,
+    };
     let judged = shipped::judged(&networks, args.models.as_deref(), &args.more_models)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
     let cache = cache::open(&args.cache)?;
@@ -92,52 +88,6 @@ fn command() -> String {
     };
     let words: Vec<String> = std::env::args().skip(1).map(quoted).collect();
     format!("dpn {}", words.join(" "))
-}
-
-/// The networks: those that come with the program, a folder's, or trained now.
-fn chosen_networks(args: &PaperArgs, input: &Input, stop: &AtomicBool) -> Result<Vec<Network>> {
-    if let Some(dir) = &args.models {
-        return Ok(network::load_all(dir)?);
-    }
-    let mut all = shipped::networks()?;
-    if args.train {
-        for sensor in Sensor::ALL {
-            let trained = train(args, sensor, &input.corpus, stop)?;
-            // It takes the place of the shipped one of that name.
-            let tag = format!("{sensor}/{}", dpn_core::estimate::DEFAULT_TAG);
-            all.retain(|n| !n.path.with_extension("").to_string_lossy().ends_with(&tag));
-            all.push(trained);
-        }
-    }
-    Ok(all)
-}
-
-/// Trains the default network of a sensor in a folder named for what it is made from; one that is there is taken.
-fn train(args: &PaperArgs, sensor: Sensor, corpus: &Corpus, stop: &AtomicBool) -> Result<Network> {
-    let mut config = TrainConfig::for_sensor(sensor);
-    config.fit.epochs = args.epochs.unwrap_or(config.fit.epochs);
-    let text = serde_json::to_string(&config.resolved())?;
-    let folder = format!("network-{sensor}-{}", id([program(), corpus.fingerprint(), text]));
-    let dir = args.work.join(folder);
-    let name = Path::new("trained")
-        .join(sensor.name())
-        .join(format!("{}.safetensors", dpn_core::estimate::DEFAULT_TAG));
-    let done = dir.join(format!("{sensor}.safetensors"));
-    if !(done.is_file() && dir.join("summary.json").is_file()) {
-        let device = device::parse(device::CPU)?;
-        let resume = dir.join("checkpoint.safetensors").is_file();
-        match Run::open(&dir, &config, corpus, &device, resume)?.train(stop, &mut Bar::new()) {
-            Err(RunError::Train(TrainError::Stopped { epoch })) => {
-                let message = format!(
-                    "stopped in epoch {epoch} of the {sensor} network; the same command goes on from there"
-                );
-                return Err(Interrupted(message).into());
-            }
-            other => other?,
-        };
-    }
-    let network = Network::load(done.path())?;
-    Ok(Network { path: name, ..network })
 }
 
 #[cfg(test)]

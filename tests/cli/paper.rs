@@ -17,7 +17,6 @@ pub(crate) fn flights(dir: &Path, of: &[(&str, f64, f64)]) {
     }
 }
 
-/// With networks trained on the spot, for one epoch: what they say does not matter here.
 fn paper(dir: &Path, more: &[&str]) -> Done {
     on(dir, "10", more)
 }
@@ -27,7 +26,7 @@ fn on(dir: &Path, from: &str, more: &[&str]) -> Done {
     let mut command = dpn();
     command.current_dir(dir).args(["paper", "--plan", "plan.toml", "--data", "data", "--camera", "tracks"]);
     command.args(["--from", from]);
-    command.args(["--out", "out", "--work", "work", "--train", "--epochs", "1"]).args(more);
+    command.args(["--out", "out", "--work", "work"]).args(more);
     end(&mut command)
 }
 
@@ -166,7 +165,6 @@ fn what_cannot_be_used_is_refused_with_its_reason() {
         (&["--camera", "film"], "known are auto, images, rendered, tracks"),
         (&["--camera", "images"], "--camera images: simulated flights have no images"),
         (&["--data", "nowhere"], "nowhere"),
-        (&["--epochs", "3"], "--train"),
         (&["--quick"], "cannot be used with"),
     ] {
         let mut command = dpn();
