@@ -37,9 +37,6 @@ pub(crate) struct FlightArgs {
     /// Configuration of the noise parts (TOML).
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Write a recording for the viewer of rerun.io, the way, samples and their noise; of a dpn built with the feature `rerun`.
-    #[arg(long, value_name = "FILE.rrd")]
-    pub(crate) rerun: Option<PathBuf>,
     /// Print what was written as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,6 +1,6 @@
 //! `dpn simulate`.
 
-use super::{images, rerun, tracks};
+use super::{images, tracks};
 use crate::args::{FlightArgs, SimulateWhat};
 use crate::ui::outln;
 use anyhow::Result;
@@ -26,7 +26,6 @@ fn flight(args: FlightArgs) -> Result<()> {
         }
         return Ok(());
     }
-    rerun::check(args.rerun.as_deref())?;
     let config: FlightConfig = dpn_io::config::load_over(args.config.as_deref(), &[])?;
     let name = args.name.unwrap_or_default();
     let flights = if name == "all" {
@@ -34,10 +33,6 @@ fn flight(args: FlightArgs) -> Result<()> {
     } else {
         vec![simulate(name.parse::<Flight>()?, args.seed, &config)?]
     };
-    #[cfg(feature = "rerun")]
-    if let Some(file) = &args.rerun {
-        rerun::flights(file, &flights)?;
-    }
     for flight in &flights {
         let dir = args.out.join(flight.name());
         write(flight, &config, &dir)?;

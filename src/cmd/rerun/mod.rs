@@ -12,8 +12,6 @@
 //! The SDK is large and behind the Cargo feature `rerun`.
 
 #[cfg(feature = "rerun")]
-mod flight;
-#[cfg(feature = "rerun")]
 mod log;
 #[cfg(feature = "rerun")]
 mod noise;
@@ -21,7 +19,7 @@ mod noise;
 mod run;
 
 #[cfg(feature = "rerun")]
-pub(super) use {flight::flights, noise::noise, run::RunScene};
+pub(super) use {noise::noise, run::RunScene};
 
 use crate::ui::refuse;
 use anyhow::Result;
