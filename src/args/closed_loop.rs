@@ -1,36 +1,16 @@
 //! What is said of a closed loop: sequences, tracks, noises, seeds, the estimator.
 
-use clap::{Args, ValueEnum};
+use super::word::word;
+use clap::Args;
 use dpn_eval::closed_loop::{Camera, StartAt};
 use std::path::PathBuf;
-
-/// What the odometry sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CameraArg {
-    /// Camera tracks, given or made along the ground truth.
-    Tracks,
-    /// The sequence's own images.
-    Images,
-    /// Images rendered along the ground truth while the odometry runs.
-    Rendered,
-}
-
-impl From<CameraArg> for Camera {
-    fn from(arg: CameraArg) -> Self {
-        match arg {
-            CameraArg::Tracks => Self::Tracks,
-            CameraArg::Images => Self::Images,
-            CameraArg::Rendered => Self::Rendered,
-        }
-    }
-}
 
 /// Flags of `dpn eval --closed-loop`.
 #[derive(Debug, Args)]
 pub(crate) struct ClosedLoopArgs {
-    /// What the odometry sees.
-    #[arg(long, value_enum, default_value = "tracks", conflicts_with = "open_loop")]
-    pub(crate) camera: CameraArg,
+    /// What the odometry sees: tracks (given, or made along the ground truth), images (the sequence's own), or rendered (along the ground truth, while it runs).
+    #[arg(long, value_parser = word::<Camera>, default_value = "tracks", conflicts_with = "open_loop")]
+    pub(crate) camera: Camera,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "DIR", requires = "data")]
     pub(crate) tracks: Option<PathBuf>,

@@ -32,7 +32,7 @@ mod word;
 pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
 pub(crate) use check::{CheckArgs, FailOn};
-pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
+pub(crate) use closed_loop::{ClosedLoopArgs, SettingsArgs};
 pub(crate) use compare::CompareArgs;
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportWhat, OnnxArgs};

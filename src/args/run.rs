@@ -1,8 +1,9 @@
 //! `dpn run`.
 
-use super::{CameraArg, ImageLogArgs, PasteArgs, SettingsArgs};
+use super::word::word;
+use super::{ImageLogArgs, PasteArgs, SettingsArgs};
 use clap::Args;
-use dpn_eval::closed_loop::StartAt;
+use dpn_eval::closed_loop::{Camera, StartAt};
 use dpn_io::ResultPath;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -14,9 +15,9 @@ pub(crate) struct RunArgs {
     /// simulated flight, or a bag as it is recorded: a pipe, or - for stdin, whose poses are printed as they are made.
     #[arg(value_name = "SEQUENCE|LOG|FLIGHT|-")]
     pub(crate) source: String,
-    /// What the odometry sees; without it the folder's images where it holds any, else tracks.
-    #[arg(long, value_enum)]
-    pub(crate) camera: Option<CameraArg>,
+    /// What the odometry sees: tracks, images or rendered; without it the folder's images where it holds any, else tracks.
+    #[arg(long, value_parser = word::<Camera>)]
+    pub(crate) camera: Option<Camera>,
     /// File of camera tracks; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "FILE")]
     pub(crate) tracks: Option<PathBuf>,

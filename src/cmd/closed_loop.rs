@@ -73,7 +73,7 @@ fn experiment(args: &EvalArgs) -> Result<Experiment> {
     Ok(Experiment {
         data: args.data.clone(),
         models: args.models.clone(),
-        camera: closed.camera.into(),
+        camera: closed.camera,
         tracks: closed.tracks.clone(),
         truth: closed.truth.clone(),
         calibration: settings::calibration(&closed.settings)?,

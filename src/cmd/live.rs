@@ -3,12 +3,12 @@
 use super::foxglove::{Onlooker, onlooker};
 use super::latency::Latency;
 use super::{settings, shipped, stop};
-use crate::args::{CameraArg, RunArgs};
+use crate::args::RunArgs;
 use crate::ui::{Fault, Untrusted, errln, is_closed_pipe, outln, warn};
 use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
-use dpn_eval::closed_loop::StartAt;
+use dpn_eval::closed_loop::{Camera, StartAt};
 use dpn_io::{printable, tum_line};
 use dpn_live::{Fed, Listener, LiveRun, Seen, Totals, Watched, settings_for};
 use dpn_logs::{LogError, SensorEvent, read_sensors};
@@ -77,7 +77,7 @@ fn refuse_flags_of_recordings(args: &RunArgs) -> Result<()> {
         ("--draw", args.draw.is_some()),
         ("--mcap", args.mcap.is_some()),
         ("--rerun", args.rerun.is_some()),
-        ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
+        ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != Camera::Images)),
         ("--columns", how.columns.is_some()),
         ("--time-unit", how.time_unit.is_some()),
         ("--rate", how.rate.is_some()),

@@ -6,12 +6,12 @@ use crate::ui::{Untrusted, errln, out, outln, refuse, warn};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
-use dpn_eval::closed_loop::{
-    Camera, JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, Watchers, paired,
-    watched_run, write_states,
-};
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
+use dpn_eval::closed_loop::{
+    JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, Watchers, paired, watched_run,
+    write_states,
+};
 use dpn_eval::metrics::{AlignmentKind, align};
 use dpn_figures::{Album, Cell, save, timeline, top_view};
 use dpn_io::calibration::Calibration;
@@ -255,7 +255,7 @@ fn apart_from(args: &RunArgs) -> Result<()> {
 /// What was typed, as a sequence and its place in its set.
 fn open(args: &RunArgs, given: Option<Calibration>) -> Result<(SequenceSet, usize)> {
     let source = RunSource {
-        camera: args.camera.map(Camera::from),
+        camera: args.camera,
         tracks: args.tracks.clone(),
         truth: args.truth.clone(),
         log: image_log(args),
