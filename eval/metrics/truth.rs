@@ -68,11 +68,6 @@ impl<'a> TruthTrack<'a> {
         Ok(Self { poses, options })
     }
 
-    /// The samples, oldest first.
-    pub fn poses(&self) -> &'a [StampedPose] {
-        self.poses
-    }
-
     /// Where `t` lies among the samples.
     pub fn cover(&self, t: Stamp) -> Cover {
         let next = self.poses.partition_point(|pose| pose.t <= t);

@@ -90,11 +90,6 @@ impl ImageFolder {
         self.frames.iter().map(|(t, _)| *t)
     }
 
-    /// Width and height that every image is to have \[px\].
-    pub fn size(&self) -> [usize; 2] {
-        self.size
-    }
-
     /// Looks which files are there; none is opened.
     pub fn coverage(&self) -> Coverage {
         let mut runs: Vec<ImageRun> = Vec::new();

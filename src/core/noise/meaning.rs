@@ -19,9 +19,7 @@ pub enum Meaning {
     SampleVariance,
     /// Density of a walk, for example \[rad/s^2/sqrt(Hz)\].
     WalkDensity,
-    /// Deviation of the bias's increment from sample to sample, for example \[rad/s\].
-    WalkStepStd,
-    /// Its square, for example \[(rad/s)^2\].
+    /// Variance of the bias's increment from sample to sample, for example \[(rad/s)^2\].
     WalkStepVariance,
     /// Deviation of the bias's rate of change, one value a sample, for example \[rad/s^2\].
     WalkRateStd,
@@ -30,7 +28,7 @@ pub enum Meaning {
 impl Meaning {
     /// Whether it is the walk of a bias.
     pub fn is_walk(self) -> bool {
-        matches!(self, Self::WalkDensity | Self::WalkStepStd | Self::WalkStepVariance | Self::WalkRateStd)
+        matches!(self, Self::WalkDensity | Self::WalkStepVariance | Self::WalkRateStd)
     }
 
     /// Whether the number is only meant together with a rate.
@@ -46,8 +44,8 @@ impl Meaning {
             (Self::Density, false) => "rad/s/sqrt(Hz)",
             (Self::Power, true) => "(m/s^2)^2/Hz",
             (Self::Power, false) => "(rad/s)^2/Hz",
-            (Self::SampleStd | Self::WalkStepStd, true) => "m/s^2",
-            (Self::SampleStd | Self::WalkStepStd, false) => "rad/s",
+            (Self::SampleStd, true) => "m/s^2",
+            (Self::SampleStd, false) => "rad/s",
             (Self::SampleVariance | Self::WalkStepVariance, true) => "(m/s^2)^2",
             (Self::SampleVariance | Self::WalkStepVariance, false) => "(rad/s)^2",
             (Self::WalkDensity, true) => "m/s^3/sqrt(Hz)",
@@ -64,7 +62,6 @@ impl Meaning {
             Self::Power => "power density",
             Self::SampleStd => "deviation of one sample",
             Self::SampleVariance => "variance of one sample",
-            Self::WalkStepStd => "deviation of the bias's step from sample to sample",
             Self::WalkStepVariance => "variance of the bias's step from sample to sample",
             Self::WalkRateStd => "deviation of the bias's rate of change, one value a sample",
         }
@@ -77,7 +74,6 @@ impl Meaning {
             Self::Power => format!("sqrt({number})"),
             Self::SampleStd | Self::WalkRateStd => format!("{number} / sqrt({rate})"),
             Self::SampleVariance => format!("sqrt({number}) / sqrt({rate})"),
-            Self::WalkStepStd => format!("{number} * sqrt({rate})"),
             Self::WalkStepVariance => format!("sqrt({number}) * sqrt({rate})"),
         }
     }
@@ -89,7 +85,6 @@ impl Meaning {
             Self::Power => format!("{number}^2"),
             Self::SampleStd | Self::WalkRateStd => format!("{number} * sqrt({rate})"),
             Self::SampleVariance => format!("({number} * sqrt({rate}))^2"),
-            Self::WalkStepStd => format!("{number} / sqrt({rate})"),
             Self::WalkStepVariance => format!("({number} / sqrt({rate}))^2"),
         }
     }
@@ -104,7 +99,6 @@ impl Meaning {
             Self::Power => number.sqrt(),
             Self::SampleStd | Self::WalkRateStd => number / root,
             Self::SampleVariance => number.sqrt() / root,
-            Self::WalkStepStd => number * root,
             Self::WalkStepVariance => number.sqrt() * root,
         }
     }
@@ -118,7 +112,6 @@ impl Meaning {
             Self::Power => square(density),
             Self::SampleStd | Self::WalkRateStd => density * root,
             Self::SampleVariance => square(density * root),
-            Self::WalkStepStd => density / root,
             Self::WalkStepVariance => square(density / root),
         }
     }
@@ -166,26 +159,25 @@ mod tests {
 
     const WHITE: [Meaning; 4] =
         [Meaning::Density, Meaning::Power, Meaning::SampleStd, Meaning::SampleVariance];
-    const WALK: [Meaning; 4] =
-        [Meaning::WalkDensity, Meaning::WalkStepStd, Meaning::WalkStepVariance, Meaning::WalkRateStd];
+    const WALK: [Meaning; 3] = [Meaning::WalkDensity, Meaning::WalkStepVariance, Meaning::WalkRateStd];
 
     #[test]
     fn a_hundredth_per_sample_at_a_hundred_hertz_is_known_in_every_meaning() {
         let rate = SampleRate::from_hz(100.0).unwrap();
         let mut figures = ImuFigures::default();
-        let values = |figures: &ImuFigures, figure, meanings: [Meaning; 4]| {
-            meanings.map(|m| figures.get(figure, m, rate).unwrap().largest())
-        };
-        let near = |got: [f64; 4], wanted: [f64; 4]| {
-            assert!(got.iter().zip(wanted).all(|(g, w)| (g / w - 1.0).abs() < 1e-12), "{got:?} {wanted:?}");
+        let near = |figures: &ImuFigures, figure, meanings: &[Meaning], wanted: &[f64]| {
+            for (m, wanted) in meanings.iter().zip(wanted) {
+                let got = figures.get(figure, *m, rate).unwrap().largest();
+                assert!((got / wanted - 1.0).abs() < 1e-12, "{m:?}: {got} {wanted}");
+            }
         };
         for figure in [Figure::AccelWhite, Figure::GyroWhite] {
             figures.set(figure, Meaning::SampleStd, Axes::Same(0.01), rate).unwrap();
-            near(values(&figures, figure, WHITE), [1e-3, 1e-6, 1e-2, 1e-4]);
+            near(&figures, figure, &WHITE, &[1e-3, 1e-6, 1e-2, 1e-4]);
         }
         for figure in [Figure::AccelWalk, Figure::GyroWalk] {
-            figures.set(figure, Meaning::WalkStepStd, Axes::Same(0.01), rate).unwrap();
-            near(values(&figures, figure, WALK), [0.1, 1e-2, 1e-4, 1.0]);
+            figures.set(figure, Meaning::WalkStepVariance, Axes::Same(1e-4), rate).unwrap();
+            near(&figures, figure, &WALK, &[0.1, 1e-4, 1.0]);
         }
     }
 
@@ -195,7 +187,7 @@ mod tests {
         let as_meant = |meaning| ImuFigures::euroc().get(walk, meaning, rate).unwrap().largest();
         // One step of 5 ms at the rate moves the bias by the step.
         let moved = as_meant(Meaning::WalkRateStd) * rate.period();
-        assert!((moved - as_meant(Meaning::WalkStepStd)).abs() < 1e-18);
+        assert!((moved - as_meant(Meaning::WalkStepVariance).sqrt()).abs() < 1e-18);
         let mut figures = ImuFigures::default();
         let variance = Axes::Same(as_meant(Meaning::WalkStepVariance));
         figures.set(walk, Meaning::WalkStepVariance, variance, rate).unwrap();
@@ -207,7 +199,7 @@ mod tests {
         fn every_meaning_there_and_back_is_the_same(log in -9.0..2.0f64, hz in 1.0..5000.0f64, pick in 0usize..4) {
             let (value, rate) = (10f64.powf(log), SampleRate::from_hz(hz).unwrap());
             for figure in Figure::ALL {
-                let meaning = if figure.is_walk() { WALK[pick] } else { WHITE[pick] };
+                let meaning = if figure.is_walk() { WALK[pick % WALK.len()] } else { WHITE[pick] };
                 let mut figures = ImuFigures::default();
                 figures.set(figure, meaning, Axes::Each([value, 2.0 * value, 3.0 * value]), rate).unwrap();
                 let back = figures.get(figure, meaning, rate).unwrap().each();

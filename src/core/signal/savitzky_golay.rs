@@ -122,16 +122,6 @@ impl SavitzkyGolay {
         self.window
     }
 
-    /// Order of the polynomial.
-    pub fn order(&self) -> usize {
-        self.order
-    }
-
-    /// The kernel that slides along the inside of a signal: `window` coefficients, symmetric, of sum 1.
-    pub fn kernel(&self) -> &[f64] {
-        &self.kernel
-    }
-
     /// Smooths `x`, edges by the polynomial through the first and the last window.
     ///
     /// # Errors
@@ -161,23 +151,6 @@ impl SavitzkyGolay {
         }
         slide(&self.kernel, x, &mut out[half..len - half]);
         Ok(())
-    }
-
-    /// Row `i` of the linear map from `n` samples to their smoothed values: where its first coefficient stands, and
-    /// an iterator over its `window` coefficients.
-    ///
-    /// # Panics
-    /// When `n` is below the window or `i` not below `n`.
-    pub fn row(&self, i: usize, n: usize) -> (usize, Vec<f64>) {
-        let (window, half) = (self.window, self.window / 2);
-        let edge = |k: usize| self.edge_rows[k * window..(k + 1) * window].iter().copied();
-        if i < half {
-            (0, edge(i).collect())
-        } else if i >= n - half {
-            (n - window, edge(n - 1 - i).rev().collect())
-        } else {
-            (i - half, self.kernel.clone())
-        }
     }
 
     /// Root-mean-square gain of `x - smooth(x)` for white noise over a signal of `n` samples, edges included.
@@ -287,7 +260,7 @@ mod tests {
     #[test]
     fn the_five_point_parabola_has_its_published_coefficients() {
         let filter = SavitzkyGolay::new(5, 2).unwrap();
-        for (c, published) in filter.kernel().iter().zip([-3.0, 12.0, 17.0, 12.0, -3.0]) {
+        for (c, published) in filter.kernel.iter().zip([-3.0, 12.0, 17.0, 12.0, -3.0]) {
             assert!((c - published / 35.0).abs() < 1e-15);
         }
     }

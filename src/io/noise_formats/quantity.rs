@@ -116,11 +116,6 @@ impl Quantity {
         split(text.trim()).0.parse::<f64>() == Ok(0.0)
     }
 
-    /// What it means.
-    pub fn meaning(&self) -> Meaning {
-        self.meaning
-    }
-
     /// Which figure it is.
     pub fn figure(&self) -> Figure {
         self.figure

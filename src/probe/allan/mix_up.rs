@@ -112,10 +112,6 @@ fn mix_ups(figure: Figure, meaning: Meaning, rate: SampleRate) -> Vec<MixUp> {
             add(1.0 / root, 1.0, "a walk per sample where a density belongs");
             add(root, 1.0, "a walk of VINS's kind where a density belongs");
         }
-        Meaning::WalkStepStd => {
-            add(1.0, 2.0, "a variance where a deviation belongs");
-            add(root, 1.0, "a density where a step per sample belongs");
-        }
         Meaning::WalkStepVariance => {
             add(1.0, 0.5, "a deviation where a variance belongs");
             add(rate.hz(), 1.0, "a power density where a variance per sample belongs");

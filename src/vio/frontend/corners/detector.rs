@@ -56,11 +56,6 @@ impl Detector {
         Self { config, rows: Rows::default(), candidates: Vec::new() }
     }
 
-    /// Its settings.
-    pub fn config(&self) -> &CornerConfig {
-        &self.config
-    }
-
     /// Corners that bring the points of a frame up to `most`, strongest first, given those it has.
     ///
     /// # After the call

@@ -34,11 +34,6 @@ impl Klt {
         Self { config }
     }
 
-    /// Its settings.
-    pub fn config(&self) -> &KltConfig {
-        &self.config
-    }
-
     /// Where each point of `from` is in `to` \[px\], in order; `levels` images of both pyramids are used, as far as there are so many.
     ///
     /// The same numbers come out on machines with other vectors: sums are taken in one order.
