@@ -6,7 +6,7 @@ use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
 use crate::sensor::SensorDraw;
 use crate::vibration::VibrationDraw;
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Limit, Validate};
 use dpn_core::{SampleRate, Sensor};
 use dpn_io::config::{self, ConfigError};
 use dpn_pronet::ProNetConfig;
@@ -132,19 +132,19 @@ dpn_core::settings!(
         /// Passes over the training windows.
         pub epochs: u64 = 200,
         /// How often an epoch shows each window, every time with other noise.
-        pub draws_per_window: u64 = 2,
+        pub draws_per_window: u64 = 2 => 1..=1000,
         /// Windows a step.
-        pub batch: usize = 200,
+        pub batch: usize = 200 => 1..=10_000,
         /// Largest learning rate of Adam.
-        pub learning_rate: f64 = 4e-3,
+        pub learning_rate: f64 = 4e-3 => Limit::AtMost(1.0),
         /// Its course over the run.
         pub schedule: Schedule = Schedule::Cosine,
         /// Steps over which the learning rate rises from 0.
         pub warmup_steps: u64 = 100,
         /// Decoupled weight decay (AdamW) a step, times the learning rate; 0 is plain Adam.
-        pub weight_decay: f64 = 1e-4,
+        pub weight_decay: f64 = 1e-4 => 0.0..=1.0,
         /// Largest norm of the whole gradient, in units of the normalised loss; 0 leaves it as it is.
-        pub clip_norm: f64 = 1.0,
+        pub clip_norm: f64 = 1.0 => Limit::NotNegative,
         /// Decay of the running mean of the weights that is validated and kept; 0 keeps the weights themselves.
         pub ema: f64 = 0.99,
         /// What is minimised.
@@ -324,11 +324,9 @@ fn overlay(under: &mut toml::Table, over: toml::Table) {
 
 impl Validate for TrainConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults(self.network.faults());
-        for fault in &mut faults.0 {
-            fault.key.insert_str(0, "network.");
-        }
-        let (base, augment, fit, levels) = (&self.base, &self.augment, &self.fit, self.levels());
+        let mut faults = ConfigFaults::default();
+        faults.table("network", self.network.faults());
+        let (base, fit, levels) = (&self.base, &self.fit, self.levels());
         faults.check(base.base().filter().is_ok(), "base", base.base(), "an odd window above its order");
         let (rate, window) = (self.rate_hz, self.network.window);
         faults.within("rate_hz", rate.hz(), 20.0, 8000.0);
@@ -377,20 +375,11 @@ impl Validate for TrainConfig {
             format!("\"{}\"", self.network.head),
             "\"log-sigma-and-spread\" for `fit.loss = \"log-nll\"`, which weighs errors by what the network says of itself",
         );
-        faults.within("augment.grow_share", augment.grow_share, 0.0, 1.0);
-        faults.within("augment.grow", augment.grow, 1.0, 100.0);
-        faults.within("augment.shrink", augment.shrink, 0.01, 1.0);
+        faults.table("augment", self.augment.outside().0);
+        faults.table("fit", fit.outside().0);
         faults.check(fit.epochs >= 1, "fit.epochs", fit.epochs, "at least 1");
-        faults.within("fit.draws_per_window", fit.draws_per_window, 1, 1000);
-        faults.within("fit.batch", fit.batch, 1, 10_000);
         let every = fit.validate_every;
         faults.check(every >= 1, "fit.validate_every", every, "at least 1");
-        let rate = fit.learning_rate;
-        let bound = "above 0 and at most 1";
-        faults.check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate, bound);
-        faults.within("fit.weight_decay", fit.weight_decay, 0.0, 1.0);
-        let clip = fit.clip_norm;
-        faults.check(clip >= 0.0 && clip.is_finite(), "fit.clip_norm", clip, "0 or more");
         let ema = fit.ema;
         faults.check((0.0..1.0).contains(&ema), "fit.ema", ema, "0 or more and below 1");
         faults.0

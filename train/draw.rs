@@ -24,11 +24,11 @@ dpn_core::settings!(
         /// Run time backwards, half of the time.
         pub reverse: bool = true,
         /// Share of the windows whose base is made larger or smaller about its mean: other motion than the recordings hold.
-        pub grow_share: f64 = 0.0,
+        pub grow_share: f64 = 0.0 => 0.0..=1.0,
         /// Smallest factor of that change, at most 1; factors are log-uniform.
-        pub shrink: f64 = 1.0,
+        pub shrink: f64 = 1.0 => 0.01..=1.0,
         /// Largest factor of that change, at least 1.
-        pub grow: f64 = 1.0,
+        pub grow: f64 = 1.0 => 1.0..=100.0,
     }
 );
 

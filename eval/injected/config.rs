@@ -1,7 +1,7 @@
 //! What is added, how much, and what is there without it.
 
 use super::course::Course;
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::Limit;
 
 dpn_core::settings!(
     /// What is added to a recording's samples. An injection is a function of this, of the recording's name and of a seed.
@@ -12,16 +12,17 @@ dpn_core::settings!(
         /// How it changes over the recording. Default `step`.
         pub course: Course = Course::Step,
         /// Deviation at x1 on every axis of the accelerometer \[m/s^2\], 0 to 100.
-        pub accel: f64 = 0.4,
+        pub accel: f64 = 0.4 => 0.0..=100.0,
         /// Deviation at x1 on every axis of the gyroscope \[rad/s\], 0 to 100.
-        pub gyro: f64 = 0.02,
+        pub gyro: f64 = 0.02 => 0.0..=100.0,
         /// The change: deviations go from x1 to this many times that, 1 to 100. Default 5, the paper's range.
-        pub factor: f64 = 5.0,
+        pub factor: f64 = 5.0 => 1.0..=100.0,
         /// What the odometry is best told where nothing is added: accelerometer \[m/s^2\], above 0 and up to 100.
-        pub own_accel: f64 = 0.32,
+        pub own_accel: f64 = 0.32 => Limit::AtMost(100.0),
         /// The same of the gyroscope \[rad/s\], above 0 and up to 100.
-        pub own_gyro: f64 = 0.016,
+        pub own_gyro: f64 = 0.016 => Limit::AtMost(100.0),
     }
+    impl Validate
 );
 
 impl Injection {
@@ -29,19 +30,6 @@ impl Injection {
     #[must_use]
     pub fn with(self, course: Course) -> Self {
         Self { course, ..self }
-    }
-}
-
-impl Validate for Injection {
-    fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        faults.within("accel", self.accel, 0.0, 100.0);
-        faults.within("gyro", self.gyro, 0.0, 100.0);
-        faults.within("factor", self.factor, 1.0, 100.0);
-        for (key, value) in [("own_accel", self.own_accel), ("own_gyro", self.own_gyro)] {
-            faults.check(value > 0.0 && value <= 100.0, key, value, "above 0 and at most 100");
-        }
-        faults.0
     }
 }
 

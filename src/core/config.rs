@@ -2,6 +2,7 @@
 
 pub use crate::gone::gone;
 use std::fmt;
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// Numbers with more digits are written with an exponent.
@@ -95,6 +96,41 @@ impl ConfigFaults {
     ) {
         let bound = format!("{low} to {high}");
         self.check((low..=high).contains(&value), key, value, bound);
+    }
+}
+
+/// What a key of [`settings!`](crate::settings) may hold.
+pub trait Bound<T> {
+    /// Notes a fault unless `value` is within the bound.
+    fn judge(self, key: &str, value: T, faults: &mut ConfigFaults);
+}
+
+impl<T: PartialOrd + fmt::Display + Copy> Bound<T> for RangeInclusive<T> {
+    fn judge(self, key: &str, value: T, faults: &mut ConfigFaults) {
+        faults.within(key, value, *self.start(), *self.end());
+    }
+}
+
+/// A bound that is no range.
+#[derive(Debug, Clone, Copy)]
+pub enum Limit {
+    /// Above 0, and finite.
+    Positive,
+    /// 0 or more, and finite.
+    NotNegative,
+    /// Above 0 and at most this.
+    AtMost(f64),
+}
+
+impl Bound<f64> for Limit {
+    fn judge(self, key: &str, value: f64, faults: &mut ConfigFaults) {
+        match self {
+            Self::Positive => faults.positive(key, value),
+            Self::NotNegative => faults.not_negative(key, value),
+            Self::AtMost(most) => {
+                faults.check(value > 0.0 && value <= most, key, value, format!("above 0 and at most {most}"));
+            }
+        }
     }
 }
 

@@ -54,10 +54,15 @@ impl Validate for FlightConfig {
         faults.within("rate_hz", self.rate_hz.hz(), 50.0, 2000.0);
         // Room for the longest flight before 64-bit nanoseconds end.
         faults.within("epoch_ns", self.epoch_ns as f64, 0.0, 9e18);
-        self.white.check(&mut faults);
-        self.bias.check(&mut faults);
-        self.vibration.check(&mut faults);
-        self.quantisation.check(&mut faults);
+        let (white, bias) = (&self.white, &self.bias);
+        faults.table("white", white.outside().0);
+        faults.within("white.accel_sample_std", white.accel_sample_std.get(), 0.0, 1.0);
+        faults.within("white.gyro_sample_std", white.gyro_sample_std.get(), 0.0, 1.0);
+        faults.table("bias", bias.outside().0);
+        faults.within("bias.accel_walk", bias.accel_walk.get(), 0.0, 1.0);
+        faults.within("bias.gyro_walk", bias.gyro_walk.get(), 0.0, 1.0);
+        faults.table("vibration", self.vibration.outside().0);
+        faults.table("quantisation", self.quantisation.outside().0);
         faults.0
     }
 }

@@ -119,7 +119,7 @@ fn what_cannot_be_swept_is_refused_before_anything_runs() {
         (&["--sequences", "cave"], "no sequence is called `cave`; there are f01-hall-slow"),
         (&["--from", "500"], "what is run, from 500 s, has fewer than 20"),
         (&["--set", "window.keyframes=8"], "did you mean `key_frames`?"),
-        (&["--set", "window.key_frames=2"], "`window.key_frames` is 2, but must be from 3 to 30"),
+        (&["--set", "window.key_frames=2"], "`window.key_frames` is 2, but must be 3 to 30"),
         (&["--set", "window.handover=true"], "expected one of `reuse`, `split`, `consume`"),
         (&["--pixel-noise=-1"], "pixel_noise_px"),
     ] {

@@ -3,7 +3,6 @@
 //! Start and walk have a stream each per sensor and axis: ("bias", "start" | "walk", sensor, axis).
 
 use super::series::ImuSeries;
-use dpn_core::config::ConfigFaults;
 use dpn_core::noise::{AccelBiasWalkDensity, GyroBiasWalkDensity};
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
@@ -18,21 +17,13 @@ dpn_core::settings!(
     /// Biases of a simulated IMU.
     pub struct BiasConfig {
         /// Scales starts and walks, 0 to 1000; 0 switches biases off. Default 1.
-        pub scale: f64 = 1.0,
+        pub scale: f64 = 1.0 => 0.0..=1000.0,
         /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\], up to 1. Default 3e-3, EuRoC's sensor.yaml.
         pub accel_walk: AccelBiasWalkDensity = AccelBiasWalkDensity::EUROC,
         /// Walk of the gyroscope's bias \[rad/s^2/sqrt(Hz)\], up to 1. Default 1.9393e-5, EuRoC's sensor.yaml.
         pub gyro_walk: GyroBiasWalkDensity = GyroBiasWalkDensity::EUROC,
     }
 );
-
-impl BiasConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("bias.scale", self.scale, 0.0, 1000.0);
-        faults.within("bias.accel_walk", self.accel_walk.get(), 0.0, 1.0);
-        faults.within("bias.gyro_walk", self.gyro_walk.get(), 0.0, 1.0);
-    }
-}
 
 /// Biases over `n` samples.
 pub(crate) fn draw(config: &BiasConfig, rate: SampleRate, n: usize, stream: &Stream) -> ImuSeries {

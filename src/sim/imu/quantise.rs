@@ -3,7 +3,6 @@
 //! recorded = lsb round(x / lsb); the error recorded - x is kept, within half a count.
 
 use super::series::ImuSeries;
-use dpn_core::config::ConfigFaults;
 use dpn_core::{GRAVITY, Sensor};
 
 dpn_core::settings!(
@@ -12,18 +11,13 @@ dpn_core::settings!(
         /// Whether readings are rounded to counts. Default true.
         pub enabled: bool = true,
         /// A gyroscope count \[deg/s\], 1e-6 to 10. Default .04, the ADIS16448's.
-        pub gyro_lsb_deg_s: f64 = 0.04,
+        pub gyro_lsb_deg_s: f64 = 0.04 => 1e-6..=10.0,
         /// Accelerometer counts in one g, 1 to 1e9. Default 1200, the ADIS16448's.
-        pub accel_lsb_per_g: f64 = 1200.0,
+        pub accel_lsb_per_g: f64 = 1200.0 => 1.0..=1e9,
     }
 );
 
 impl QuantisationConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("quantisation.gyro_lsb_deg_s", self.gyro_lsb_deg_s, 1e-6, 10.0);
-        faults.within("quantisation.accel_lsb_per_g", self.accel_lsb_per_g, 1.0, 1e9);
-    }
-
     /// One count of `sensor` in its unit; a g is 9.80665 m/s^2 here as in the data sheet.
     pub(crate) fn lsb(&self, sensor: Sensor) -> f64 {
         match sensor {

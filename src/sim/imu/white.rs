@@ -6,7 +6,6 @@
 
 use super::series::ImuSeries;
 use crate::flight::Flight;
-use dpn_core::config::ConfigFaults;
 use dpn_core::noise::{AccelNoiseDensity, AccelSampleStd, GyroNoiseDensity, GyroSampleStd};
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
@@ -18,7 +17,7 @@ dpn_core::settings!(
     /// White noise of a simulated IMU.
     pub struct WhiteConfig {
         /// Scales all white noise, 0 to 1000; 0 switches it off. Default 1.
-        pub scale: f64 = 1.0,
+        pub scale: f64 = 1.0 => 0.0..=1000.0,
         /// Whether the deviation changes in time by the flight's schedule; else it is the base throughout. Default true.
         pub schedule: bool = true,
         /// Base deviation of an accelerometer sample \[m/s^2\], up to 1. Default .0283, the ADIS16448's data sheet at 200 Hz.
@@ -29,12 +28,6 @@ dpn_core::settings!(
 );
 
 impl WhiteConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("white.scale", self.scale, 0.0, 1000.0);
-        faults.within("white.accel_sample_std", self.accel_sample_std.get(), 0.0, 1.0);
-        faults.within("white.gyro_sample_std", self.gyro_sample_std.get(), 0.0, 1.0);
-    }
-
     fn base(&self, sensor: Sensor) -> f64 {
         self.scale
             * match sensor {

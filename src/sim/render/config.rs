@@ -1,19 +1,19 @@
 //! What a rendered camera is made of: the world's kind, lens, sensor, exposure, blur by motion, line readout, dark phases, gaps.
 
 use crate::tracks::{CameraSettings, PathConfig, World};
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::{ConfigFault, Validate};
 
 dpn_core::settings!(
     /// The lens, beside the geometry that the calibration says.
     #[derive(Copy)]
     pub struct LensConfig {
         /// Standard deviation of the blur of lens and pixel \[px\], 0 to 2. Default .45.
-        pub blur_px: f64 = 0.45,
+        pub blur_px: f64 = 0.45 => 0.0..=2.0,
         /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
-        pub vignetting: f64 = 0.25,
+        pub vignetting: f64 = 0.25 => 0.0..=0.95,
         /// Standard deviation, an axis, of what the calibration does not know of the lens \[px\], 0 to 2: a smooth field that stays with the camera. Default .3,
         /// as EuRoC's has it.
-        pub uncalibrated_px: f64 = 0.3,
+        pub uncalibrated_px: f64 = 0.3 => 0.0..=2.0,
     }
 );
 
@@ -22,9 +22,9 @@ dpn_core::settings!(
     #[derive(Copy)]
     pub struct SensorConfig {
         /// Noise of a dark pixel, without that of rounding \[grey\], 0 to 50. Default .47, as EuRoC's pictures have it.
-        pub read_grey: f64 = 0.47,
+        pub read_grey: f64 = 0.47 => 0.0..=50.0,
         /// What a grey value adds to the variance \[grey\], 0 to 10. Default .0145, as EuRoC's pictures have it.
-        pub shot_grey: f64 = 0.0145,
+        pub shot_grey: f64 = 0.0145 => 0.0..=10.0,
     }
 );
 
@@ -36,15 +36,15 @@ dpn_core::settings!(
     #[derive(Copy)]
     pub struct ExposureConfig {
         /// Mean grey value that is aimed at, 1 to 254. Default 128.
-        pub target_grey: f64 = 128.0,
+        pub target_grey: f64 = 128.0 => 1.0..=254.0,
         /// How many times longer than in mean light the exposure may be, 1 to 100; what is missing then is gain. Default 3.
-        pub longest: f64 = 3.0,
+        pub longest: f64 = 3.0 => 1.0..=100.0,
         /// Largest gain, 1 to 100. Default 8.
-        pub most_gain: f64 = 8.0,
+        pub most_gain: f64 = 8.0 => 1.0..=100.0,
         /// Standard deviation of the logarithm of random changes, 0 to 2. Default .04.
-        pub change: f64 = 0.04,
+        pub change: f64 = 0.04 => 0.0..=2.0,
         /// A random change comes this often \[s\], .1 to 1000, and takes a tenth of that. Default 3.
-        pub change_every_s: f64 = 3.0,
+        pub change_every_s: f64 = 3.0 => 0.1..=1000.0,
     }
 );
 
@@ -53,9 +53,9 @@ dpn_core::settings!(
     #[derive(Copy)]
     pub struct MotionBlurConfig {
         /// How long the shutter is open in mean light \[s\], 0 to .05; 0 switches blur off. Its middle is the image's stamp. Default 0.
-        pub exposure_s: f64 = 0.0,
+        pub exposure_s: f64 = 0.0 => 0.0..=0.05,
         /// Most instants an image is the mean of, 2 to 64: each takes as long as an image without blur. Default 8.
-        pub most_instants: usize = 8,
+        pub most_instants: usize = 8 => 2..=64,
     }
 );
 
@@ -66,7 +66,7 @@ dpn_core::settings!(
         /// A gap comes this often \[s\], twice `longest_s` to 1000. Default 10.
         pub every_s: f64 = 10.0,
         /// Longest gap \[s\], 0 to 10; each is drawn evenly up to it. 0 for none. Default 0.
-        pub longest_s: f64 = 0.0,
+        pub longest_s: f64 = 0.0 => 0.0..=10.0,
     }
 );
 
@@ -75,11 +75,11 @@ dpn_core::settings!(
     #[derive(Copy)]
     pub struct LowLightConfig {
         /// Share of the time, 0 to 1. Default 0.
-        pub share: f64 = 0.0,
+        pub share: f64 = 0.0 => 0.0..=1.0,
         /// Length of a phase \[s\], .5 to 1000. Default 6.
-        pub length_s: f64 = 6.0,
+        pub length_s: f64 = 6.0 => 0.5..=1000.0,
         /// Light left, .001 to 1. Default .1.
-        pub light: f64 = 0.1,
+        pub light: f64 = 0.1 => 0.001..=1.0,
     }
 );
 
@@ -89,14 +89,14 @@ dpn_core::settings!(
         /// Kind of the world. Default `auto`, by the flight's size.
         pub world: World = World::Auto,
         /// Contrast of all textures, 0 to 2; 1 is as they are painted. Default 1.
-        pub contrast: f64 = 1.0,
+        pub contrast: f64 = 1.0 => 0.0..=2.0,
         /// Share of the walls' fields that show nothing but paint, 0 to 1. Default 0.
-        pub bare: f64 = 0.0,
+        pub bare: f64 = 0.0 => 0.0..=1.0,
         /// Time from the first line's exposure to the last's \[s\], 0 to .1; the middle line is exposed at the image's stamp. Default 0, all
         /// lines at once.
-        pub readout_s: f64 = 0.0,
+        pub readout_s: f64 = 0.0 => 0.0..=0.1,
         /// An image of time t is taken from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
-        pub ground_truth_delay_s: f64 = 0.0,
+        pub ground_truth_delay_s: f64 = 0.0 => -1.0..=1.0,
         /// How ground truth becomes a path.
         pub path: PathConfig = PathConfig::default(),
         /// The lens.
@@ -135,30 +135,15 @@ impl RenderConfig {
 
 impl Validate for RenderConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        let Self { lens, sensor, exposure, motion_blur, low_light, gaps, .. } = self;
-        faults.within("contrast", self.contrast, 0.0, 2.0);
-        faults.within("bare", self.bare, 0.0, 1.0);
-        faults.within("readout_s", self.readout_s, 0.0, 0.1);
-        faults.within("ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
-        faults.within("lens.blur_px", lens.blur_px, 0.0, 2.0);
-        faults.within("lens.vignetting", lens.vignetting, 0.0, 0.95);
-        faults.within("lens.uncalibrated_px", lens.uncalibrated_px, 0.0, 2.0);
-        faults.within("sensor.read_grey", sensor.read_grey, 0.0, 50.0);
-        faults.within("sensor.shot_grey", sensor.shot_grey, 0.0, 10.0);
-        faults.within("exposure.target_grey", exposure.target_grey, 1.0, 254.0);
-        faults.within("exposure.longest", exposure.longest, 1.0, 100.0);
-        faults.within("exposure.most_gain", exposure.most_gain, 1.0, 100.0);
-        faults.within("exposure.change", exposure.change, 0.0, 2.0);
-        faults.within("exposure.change_every_s", exposure.change_every_s, 0.1, 1000.0);
-        faults.within("motion_blur.exposure_s", motion_blur.exposure_s, 0.0, 0.05);
-        faults.within("motion_blur.most_instants", motion_blur.most_instants, 2, 64);
-        faults.within("low_light.share", low_light.share, 0.0, 1.0);
-        faults.within("low_light.length_s", low_light.length_s, 0.5, 1000.0);
-        faults.within("low_light.light", low_light.light, 0.001, 1.0);
-        faults.within("gaps.longest_s", gaps.longest_s, 0.0, 10.0);
-        faults.within("gaps.every_s", gaps.every_s, 2.0 * gaps.longest_s, 1000.0);
-        faults.0.extend(self.path.faults());
+        let mut faults = self.outside();
+        faults.table("lens", self.lens.outside().0);
+        faults.table("sensor", self.sensor.outside().0);
+        faults.table("exposure", self.exposure.outside().0);
+        faults.table("motion_blur", self.motion_blur.outside().0);
+        faults.table("low_light", self.low_light.outside().0);
+        faults.table("gaps", self.gaps.outside().0);
+        faults.within("gaps.every_s", self.gaps.every_s, 2.0 * self.gaps.longest_s, 1000.0);
+        faults.table("path", self.path.faults());
         if let Some(camera) = &self.camera {
             camera.check(&mut faults);
         }

@@ -2,7 +2,7 @@
 
 use super::camera::CameraSettings;
 use super::world::World;
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::{ConfigFault, Limit, Validate};
 
 dpn_core::settings!(
     /// How ground truth becomes a smooth path.
@@ -10,10 +10,11 @@ dpn_core::settings!(
     pub struct PathConfig {
         /// Span of the cubic fit that takes out the motion capture's own jitter \[s\], 0 to 10; 0 switches it off. Below five poses a span
         /// nothing is smoothed either. Default .1.
-        pub smoothing_s: f64 = 0.1,
+        pub smoothing_s: f64 = 0.1 => 0.0..=10.0,
         /// A longer step between poses \[s\] is a gap, above 0 and up to 10: no frame is made in it, and nothing is smoothed across. Default .1.
-        pub longest_gap_s: f64 = 0.1,
+        pub longest_gap_s: f64 = 0.1 => Limit::AtMost(10.0),
     }
+    impl Validate
 );
 
 dpn_core::settings!(
@@ -22,29 +23,29 @@ dpn_core::settings!(
         /// Kind of the world. Default `auto`, by the flight's size.
         pub world: World = World::Auto,
         /// Most points followed at a time, 1 to 10000. Default 150.
-        pub max_tracks: usize = 150,
+        pub max_tracks: usize = 150 => 1..=10_000,
         /// A track is born this far \[px\] from every other at least, 0 to 1000. Default 30.
-        pub spacing_px: f64 = 30.0,
+        pub spacing_px: f64 = 30.0 => 0.0..=1000.0,
         /// Frames handed over a second \[Hz\], above 0 and up to 1000: every n-th of the camera's, n the nearest whole number. Default 10.
-        pub rate_hz: f64 = 10.0,
+        pub rate_hz: f64 = 10.0 => Limit::AtMost(1000.0),
         /// White noise of a position, each axis \[px\], 0 to 100. Default .5.
-        pub pixel_noise_px: f64 = 0.5,
+        pub pixel_noise_px: f64 = 0.5 => 0.0..=100.0,
         /// Drift: what a camera frame adds to a track's error for good, each axis \[px\], 0 to 100. Default .04.
-        pub drift_px: f64 = 0.04,
+        pub drift_px: f64 = 0.04 => 0.0..=100.0,
         /// Share of the tracks that turn into outliers at a camera frame, 0 to 1. Default .003.
-        pub outlier_share: f64 = 0.003,
+        pub outlier_share: f64 = 0.003 => 0.0..=1.0,
         /// How far an outlier slides a camera frame, in a direction of its own \[px\], 0 to 1000. Default 2.5.
-        pub outlier_slide_px: f64 = 2.5,
+        pub outlier_slide_px: f64 = 2.5 => 0.0..=1000.0,
         /// Share of the outliers that end at a camera frame, 0 to 1. Default .3.
-        pub outlier_end_share: f64 = 0.3,
+        pub outlier_end_share: f64 = 0.3 => 0.0..=1.0,
         /// Mean time after which a track ends for no reason \[s\], above 0 and up to 1e9. Default 2.5: 2 % a frame at 20 Hz.
-        pub life_time_s: f64 = 2.5,
+        pub life_time_s: f64 = 2.5 => Limit::AtMost(1e9),
         /// A track whose point moves farther than this from one camera frame to the next \[px\] ends; above 0 and up to 10000. Default 60.
-        pub largest_motion_px: f64 = 60.0,
+        pub largest_motion_px: f64 = 60.0 => Limit::AtMost(10_000.0),
         /// A longer step between camera frames \[s\] ends all tracks, as a gap in the path does; above 0 and up to 1000. Default .5.
-        pub longest_blind_s: f64 = 0.5,
+        pub longest_blind_s: f64 = 0.5 => Limit::AtMost(1000.0),
         /// Tracks of time t are made from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
-        pub ground_truth_delay_s: f64 = 0.0,
+        pub ground_truth_delay_s: f64 = 0.0 => -1.0..=1.0,
         /// How ground truth becomes a path.
         pub path: PathConfig = PathConfig::default(),
         /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
@@ -64,41 +65,15 @@ impl TracksConfig {
     }
 }
 
-impl Validate for PathConfig {
-    fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        faults.within("path.smoothing_s", self.smoothing_s, 0.0, 10.0);
-        above(&mut faults, "path.longest_gap_s", self.longest_gap_s, 10.0);
-        faults.0
-    }
-}
-
 impl Validate for TracksConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        faults.within("max_tracks", self.max_tracks, 1, 10_000);
-        faults.within("spacing_px", self.spacing_px, 0.0, 1000.0);
-        above(&mut faults, "rate_hz", self.rate_hz, 1000.0);
-        faults.within("pixel_noise_px", self.pixel_noise_px, 0.0, 100.0);
-        faults.within("drift_px", self.drift_px, 0.0, 100.0);
-        faults.within("outlier_share", self.outlier_share, 0.0, 1.0);
-        faults.within("outlier_slide_px", self.outlier_slide_px, 0.0, 1000.0);
-        faults.within("outlier_end_share", self.outlier_end_share, 0.0, 1.0);
-        above(&mut faults, "life_time_s", self.life_time_s, 1e9);
-        above(&mut faults, "largest_motion_px", self.largest_motion_px, 10_000.0);
-        above(&mut faults, "longest_blind_s", self.longest_blind_s, 1000.0);
-        faults.within("ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
-        faults.0.extend(self.path.faults());
+        let mut faults = self.outside();
+        faults.table("path", self.path.faults());
         if let Some(camera) = &self.camera {
             camera.check(&mut faults);
         }
         faults.0
     }
-}
-
-/// Notes a fault unless `0 < value <= high` (so NaN is one).
-fn above(faults: &mut ConfigFaults, key: &str, value: f64, high: f64) {
-    faults.check(value > 0.0 && value <= high, key, value, format!("above 0 and at most {high}"));
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@
 //! is asked by count.
 
 use crate::window::{Leaving, Seen, Window};
-use dpn_core::config::ConfigFaults;
 
 dpn_core::settings!(
     /// Settings of delayed marginalisation.
@@ -17,18 +16,11 @@ dpn_core::settings!(
         /// Whether there is a second window.
         pub enabled: bool = true,
         /// Key frames that the second window has more than the first; 1 to 100.
-        pub key_frames: usize = 5,
+        pub key_frames: usize = 5 => 1..=100,
         /// Key frames from one renewal of the prior to the next, by which the second window grows meanwhile; 1 to 100.
-        pub every: usize = 10,
+        pub every: usize = 10 => 1..=100,
     }
 );
-
-impl DelayedConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("delayed.key_frames", self.key_frames, 1, 100);
-        faults.within("delayed.every", self.every, 1, 100);
-    }
-}
 
 /// The window that goes on beside.
 #[derive(Debug, Clone)]

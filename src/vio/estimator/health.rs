@@ -1,6 +1,7 @@
 //! When an estimate is not to be believed any more.
 
 use crate::state::NavState;
+use dpn_core::config::Limit;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -9,19 +10,19 @@ dpn_core::settings!(
     #[derive(Copy)]
     pub struct HealthConfig {
         /// Largest accelerometer bias \[m/s^2\].
-        pub max_accel_bias: f64 = 2.5,
+        pub max_accel_bias: f64 = 2.5 => Limit::Positive,
         /// Largest gyro bias \[rad/s\].
-        pub max_gyro_bias: f64 = 1.0,
+        pub max_gyro_bias: f64 = 1.0 => Limit::Positive,
         /// Largest correction of the newest position against the inertial prediction \[m\].
-        pub max_jump: f64 = 1.0,
+        pub max_jump: f64 = 1.0 => Limit::Positive,
         /// Largest speed \[m/s\].
-        pub max_speed: f64 = 50.0,
+        pub max_speed: f64 = 50.0 => Limit::Positive,
         /// A frame with fewer tracks going on than this is starved.
         pub min_tracks: usize = 6,
         /// Starvation beyond this is a failure \[s\]: inertial integration alone drifts away in seconds.
-        pub max_starved: f64 = 3.0,
+        pub max_starved: f64 = 3.0 => Limit::Positive,
         /// A step between two samples longer than this is a gap that integration cannot bridge \[s\].
-        pub max_imu_gap: f64 = 0.1,
+        pub max_imu_gap: f64 = 0.1 => Limit::Positive,
     }
 );
 

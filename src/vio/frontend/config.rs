@@ -3,14 +3,14 @@
 use super::corners::CornerConfig;
 use super::klt::KltConfig;
 use super::ransac::RansacConfig;
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::{ConfigFault, Limit, Validate};
 
 dpn_core::settings!(
     /// Settings of the front-end.
     #[derive(Copy)]
     pub struct FrontEndConfig {
         /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
-        pub rate_hz: f64 = 10.0,
+        pub rate_hz: f64 = 10.0 => Limit::AtMost(1000.0),
         /// Time from the first line's exposure to the last's \[s\], -.1 (read out from below) to .1, 0 where all are taken at once; images are stamped at their
         /// middle line (a stamp elsewhere is an offset of the camera's clock). Without it, it is found from how turns bend the flow of points.
         #[serde(skip_serializing_if = "Option::is_none")]
@@ -29,9 +29,7 @@ dpn_core::settings!(
 
 impl Validate for FrontEndConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        let rate = self.rate_hz;
-        faults.check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
+        let mut faults = self.outside();
         if let Some(readout_s) = self.readout_s {
             faults.within("readout_s", readout_s, -0.1, 0.1);
         }

@@ -1,6 +1,6 @@
 //! What the initialisation is told: how good tracks are, how long it may look back, when it is sure enough.
 
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::{ConfigFault, Limit, Validate};
 
 /// Deviation of a track's position in u and in v \[px\] that is assumed before the tracks' own residuals are seen.
 pub(super) const TRACK_STD_PX: f64 = 1.0;
@@ -29,7 +29,7 @@ dpn_core::settings!(
     /// Settings of [`super::Initialiser`].
     pub struct InitConfig {
         /// Focal length that turns pixels into angles \[px\]; EuRoC's cam0: 458.
-        pub focal_px: f64 = 460.0,
+        pub focal_px: f64 = 460.0 => Limit::Positive,
         /// Frames in the estimate, the newest included; at least 4.
         pub max_frames: usize = 11,
         /// Fewest frames with which an estimate is tried; at least 4.
@@ -37,11 +37,11 @@ dpn_core::settings!(
         /// Longest time that the frames may span \[s\]; older ones are dropped.
         pub max_span_s: f64 = 4.0,
         /// Largest relative standard deviation of the scale with which the estimate is given out.
-        pub max_scale_std: f64 = 0.3,
+        pub max_scale_std: f64 = 0.3 => Limit::Positive,
         /// Prior standard deviation of each axis of the accelerometer's bias, here and where the window begins \[m/s^2\].
-        pub accel_bias_std: f64 = 0.15,
+        pub accel_bias_std: f64 = 0.15 => Limit::Positive,
         /// Prior standard deviation of each axis of the gyro's bias, here where no rest was seen and where the window begins \[rad/s\].
-        pub gyro_bias_std: f64 = 0.1,
+        pub gyro_bias_std: f64 = 0.1 => Limit::Positive,
     }
 );
 
@@ -59,11 +59,7 @@ impl InitConfig {
 
 impl Validate for InitConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        faults.positive("focal_px", self.focal_px);
-        faults.positive("max_scale_std", self.max_scale_std);
-        faults.positive("accel_bias_std", self.accel_bias_std);
-        faults.positive("gyro_bias_std", self.gyro_bias_std);
+        let mut faults = self.outside();
         let (span, frames) = (self.max_span_s, self.max_frames);
         let longer = span.is_finite() && span > MIN_SPAN_S;
         faults.check(longer, "max_span_s", span, format!("above {MIN_SPAN_S}, and finite"));

@@ -1,7 +1,5 @@
 //! Settings of the vibration: how fast the rotors turn, how they wander, what reaches which axis.
 
-use dpn_core::config::ConfigFaults;
-
 /// Deviations one axis shows in a steady hover of a flight of level 1, in the sensor's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AxisVibration {
@@ -32,18 +30,18 @@ dpn_core::settings!(
     /// Vibration of a multirotor's frame, fitted to EuRoC's in-flight spectra.
     pub struct VibrationConfig {
         /// Scales all vibration, 0 to 100; 0 switches it off. Default 1.
-        pub scale: f64 = 1.0,
+        pub scale: f64 = 1.0 => 0.0..=100.0,
         /// Number of rotors, 1 to 16. Default 6 (EuRoC's Firefly).
-        pub rotors: u32 = 6,
+        pub rotors: u32 = 6 => 1..=16,
         /// Turns a second of a rotor in hover \[Hz\], 10 to 400; it grows with the square root of thrust. Default 91.5.
-        pub hover_hz: f64 = 91.5,
+        pub hover_hz: f64 = 91.5 => 10.0..=400.0,
         /// Deviation of the rotors' fixed differences in speed, 0 to .3. Default .035.
-        pub rotor_spread: f64 = 0.035,
+        pub rotor_spread: f64 = 0.035 => 0.0..=0.3,
         /// Deviation of a rotor's wandering speed, 0 to .3. Default .035.
-        pub speed_wander: f64 = 0.035,
+        pub speed_wander: f64 = 0.035 => 0.0..=0.3,
         /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to .3; the low line and the
         /// broad band come in bursts, with 4 and 2.5 times as much. Default .12.
-        pub amplitude_wander: f64 = 0.12,
+        pub amplitude_wander: f64 = 0.12 => 0.0..=0.3,
     }
 );
 
@@ -65,17 +63,3 @@ pub(super) const AXES: [AxisVibration; 6] = [
     axis([0.0300, 0.0030, 0.0060], 0.0065, 0.0400, 9.5),
     axis([0.0150, 0.0020, 0.0045], 0.0060, 0.0420, 7.5),
 ];
-
-impl VibrationConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        let mut within = |key: &str, value: f64, low: f64, high: f64| {
-            faults.within(format!("vibration.{key}"), value, low, high);
-        };
-        within("scale", self.scale, 0.0, 100.0);
-        within("rotors", f64::from(self.rotors), 1.0, 16.0);
-        within("hover_hz", self.hover_hz, 10.0, 400.0);
-        within("rotor_spread", self.rotor_spread, 0.0, 0.3);
-        within("speed_wander", self.speed_wander, 0.0, 0.3);
-        within("amplitude_wander", self.amplitude_wander, 0.0, 0.3);
-    }
-}

@@ -1,6 +1,6 @@
 //! How tracks that do not agree are told.
 
-use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::config::Limit;
 use serde::{Deserialize, Serialize};
 
 /// What is known of the motion between two frames.
@@ -18,15 +18,7 @@ dpn_core::settings!(
     #[derive(Copy)]
     pub struct RansacConfig {
         /// Largest distance of a track that agrees \[px at the image's centre\], above 0, at most 20. Default 1, VINS-Mono's.
-        pub threshold_px: f64 = 1.0,
+        pub threshold_px: f64 = 1.0 => Limit::AtMost(20.0),
     }
+    impl Validate
 );
-
-impl Validate for RansacConfig {
-    fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = ConfigFaults::default();
-        let threshold = self.threshold_px;
-        faults.check(threshold > 0.0 && threshold <= 20.0, "threshold_px", threshold, "above 0, at most 20");
-        faults.0
-    }
-}
