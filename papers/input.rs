@@ -10,7 +10,6 @@ use dpn_sim::tracks::TracksConfig;
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
 use serde::{Deserialize, Serialize};
-use std::str::FromStr;
 
 dpn_core::named!(
     /// What the odometry sees.
@@ -88,14 +87,6 @@ impl CameraChoice {
             }
         };
         Ok((camera, why))
-    }
-}
-
-impl FromStr for CameraChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::called(text).ok_or_else(|| format!("`{text}` is no camera; known are {}", Self::names()))
     }
 }
 
@@ -334,8 +325,6 @@ mod tests {
         let (source, _) = opened(CameraChoice::Images, &recorded, false);
         assert_eq!(source.camera(), "images");
         assert!(matches!(check(source, &[0], true), Err(PaperError::Nothing { .. })));
-        let words = "film".parse::<CameraChoice>().unwrap_err();
-        assert!(words.contains("known are auto, images, rendered, tracks"), "{words}");
     }
 
     #[test]

@@ -78,15 +78,9 @@ pub(crate) struct SettingsArgs {
     /// Configuration of simulated tracks (TOML), as for `dpn simulate tracks`.
     #[arg(long, value_name = "FILE")]
     pub(crate) tracks_config: Option<PathBuf>,
-    /// White noise of simulated tracks, each axis, in pixels.
-    #[arg(long, value_name = "PX")]
-    pub(crate) pixel_noise: Option<f64>,
     /// Configuration of the rendered camera (TOML), as for `dpn simulate images`.
     #[arg(long, value_name = "FILE")]
     pub(crate) images_config: Option<PathBuf>,
-    /// Make tracks (or render images) as if the ground truth were late by this, in seconds.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    pub(crate) ground_truth_delay: Option<f64>,
     /// Configuration of simulated flights (TOML), as for `dpn simulate flight`.
     #[arg(long, value_name = "FILE")]
     pub(crate) flight_config: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! `dpn paper`.
 
 use super::SettingsArgs;
+use super::word::word;
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
 use dpn_io::ResultPath;
@@ -27,7 +28,7 @@ pub(crate) struct PaperArgs {
     pub(crate) work: ResultPath,
     /// What the odometry sees: images, rendered (along the ground truth), tracks, or auto: images where every sequence has its own, else
     /// rendered, but tracks with --quick.
-    #[arg(long, default_value = "auto")]
+    #[arg(long, value_parser = word::<CameraChoice>, default_value = "auto")]
     pub(crate) camera: CameraChoice,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "DIR", requires = "data")]

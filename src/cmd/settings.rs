@@ -2,7 +2,6 @@
 
 use crate::args::SettingsArgs;
 use anyhow::Result;
-use dpn_core::config::Validate;
 use dpn_eval::closed_loop::Experiment;
 use dpn_io::calibration::{self, Calibration};
 use dpn_io::config::load_over;
@@ -26,37 +25,26 @@ pub(crate) fn experiment(args: &SettingsArgs) -> Result<Experiment> {
     })
 }
 
-/// The file's keys, then the flags over them.
+/// The file's keys over the defaults.
 pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
-    let mut config: TracksConfig = load_over(args.tracks_config.as_deref(), &[])?;
-    config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
-    config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
-    checked(config)
+    Ok(load_over(args.tracks_config.as_deref(), &[])?)
 }
 
-/// The file's keys, then the flags over them.
+/// The file's keys over the defaults.
 pub(crate) fn images(args: &SettingsArgs) -> Result<RenderConfig> {
-    let mut config: RenderConfig = load_over(args.images_config.as_deref(), &[])?;
-    config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
-    checked(config)
+    Ok(load_over(args.images_config.as_deref(), &[])?)
 }
 
-/// The file's keys, then the flags over them.
+/// The file's keys, then the flag over them.
 pub(crate) fn flights(args: &SettingsArgs) -> Result<FlightConfig> {
     let mut config: FlightConfig = load_over(args.flight_config.as_deref(), &[])?;
     if args.no_vibration {
         config.vibration.scale = 0.0;
     }
-    checked(config)
+    Ok(config)
 }
 
 /// The camera's calibration, where one is given.
 pub(crate) fn calibration(args: &SettingsArgs) -> Result<Option<Calibration>> {
     Ok(args.calib.as_deref().map(calibration::read).transpose()?)
-}
-
-/// Flags may have moved a value out of its bounds.
-fn checked<T: Validate>(config: T) -> Result<T> {
-    config.validate()?;
-    Ok(config)
 }

@@ -121,7 +121,6 @@ fn what_cannot_be_swept_is_refused_before_anything_runs() {
         (&["--set", "window.keyframes=8"], "did you mean `key_frames`?"),
         (&["--set", "window.key_frames=2"], "`window.key_frames` is 2, but must be 3 to 30"),
         (&["--set", "window.handover=true"], "expected one of `reuse`, `split`, `consume`"),
-        (&["--pixel-noise=-1"], "pixel_noise_px"),
     ] {
         let mut command = dpn();
         command.args(["eval", "--closed-loop", "--out"]).arg(&out).args(more);

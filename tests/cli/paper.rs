@@ -162,7 +162,7 @@ fn what_cannot_be_used_is_refused_with_its_reason() {
     let dir = tmp.path();
     for (more, words) in [
         (&["--sequences", "cave"][..], "no sequence is called `cave`; there are f01-hall-slow"),
-        (&["--camera", "film"], "known are auto, images, rendered, tracks"),
+        (&["--camera", "film"], "expected one of `auto`, `images`, `rendered`, `tracks`"),
         (&["--camera", "images"], "--camera images: simulated flights have no images"),
         (&["--data", "nowhere"], "nowhere"),
         (&["--quick"], "cannot be used with"),
