@@ -15,7 +15,7 @@ use dpn_core::random::Stream;
 
 /// Convolution over time.
 #[derive(Module, Debug)]
-pub struct Conv {
+pub(crate) struct Conv {
     /// `[channels out, channels in, kernel]`
     pub weight: Param<Tensor<3>>,
     /// `[channels out]`
@@ -24,7 +24,7 @@ pub struct Conv {
 
 /// Gain and offset of a normalisation.
 #[derive(Module, Debug)]
-pub struct Norm {
+pub(crate) struct Norm {
     /// Gain, `[channels]`
     pub weight: Param<Tensor<1>>,
     /// Offset, `[channels]`
@@ -33,7 +33,7 @@ pub struct Norm {
 
 /// Linear layer in PyTorch's layout.
 #[derive(Module, Debug)]
-pub struct Linear {
+pub(crate) struct Linear {
     /// `[features out, features in]`
     pub weight: Param<Tensor<2>>,
     /// `[features out]`
@@ -42,7 +42,7 @@ pub struct Linear {
 
 /// Accel-ProNet or Gyro-ProNet: windows of one axis in, one deviation a window out.
 #[derive(Module, Debug)]
-pub struct ProNet {
+pub(crate) struct ProNet {
     /// Convolutions, first block first.
     pub conv: Vec<Conv>,
     /// Normalisations, one a block; empty with `norm_axes = "none"`.
@@ -59,7 +59,7 @@ impl ProNet {
     ///
     /// # Errors
     /// The faults of the configuration.
-    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
+    pub(crate) fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
         config.validate()?;
         Ok(Self::of(config, &initial_parameters(config, stream), device))
     }
@@ -100,17 +100,17 @@ impl ProNet {
     }
 
     /// What the network was made from.
-    pub fn config(&self) -> &ProNetConfig {
+    pub(crate) fn config(&self) -> &ProNetConfig {
         &self.config
     }
 
     /// The device its weights are on.
-    pub fn device(&self) -> Device {
+    pub(crate) fn device(&self) -> Device {
         self.fc[0].bias.val().device()
     }
 
     /// All parameters as numbers, in the order of [`crate::shape::parameters`].
-    pub fn parameters(&self) -> Vec<f32> {
+    pub(crate) fn parameters(&self) -> Vec<f32> {
         let mut parts = Vec::new();
         for (i, conv) in self.conv.iter().enumerate() {
             parts.push(conv.weight.val().reshape([-1])); // [out * in * kernel]
@@ -128,7 +128,7 @@ impl ProNet {
 
     /// The gradient of whatever `gradients` was computed from, in the order of [`Self::parameters`]; zeros for parameters that
     /// it does not depend on.
-    pub fn flat_gradient(&self, gradients: &Gradients) -> Vec<f32> {
+    pub(crate) fn flat_gradient(&self, gradients: &Gradients) -> Vec<f32> {
         fn push<const D: usize>(flat: &mut Vec<f32>, param: &Param<Tensor<D>>, gradients: &Gradients) {
             let value = param.val();
             match value.grad(gradients) {
@@ -159,7 +159,7 @@ impl ProNet {
     /// # Panics
     /// When `flat` has not as many numbers as the network has parameters.
     #[must_use]
-    pub fn with_parameters(&self, flat: &[f32]) -> Self {
+    pub(crate) fn with_parameters(&self, flat: &[f32]) -> Self {
         Self::of(&self.config, flat, &self.device())
     }
 }

@@ -20,7 +20,7 @@ impl ProNet {
     ///
     /// # Panics
     /// When a window has not the configuration's length.
-    pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
+    pub(crate) fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
         let [batch, _] = windows.dims();
         self.answers(windows).slice([0..batch, 0..1]).squeeze_dim(1) // [batch]
     }
@@ -33,7 +33,7 @@ impl ProNet {
     ///
     /// # Panics
     /// When a window has not the configuration's length.
-    pub fn answers(&self, windows: Tensor<2>) -> Tensor<2> {
+    pub(crate) fn answers(&self, windows: Tensor<2>) -> Tensor<2> {
         let config = self.config();
         let [_, window] = windows.dims();
         assert_eq!(window, config.window, "the network takes windows of {}", config.window);
