@@ -4,6 +4,7 @@
 //! or minutes, or is made to.
 #![allow(clippy::unwrap_used)]
 
+use cpu_time::ProcessTime;
 use dpn_core::Recorded;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::asl::Sequence;
@@ -18,7 +19,7 @@ use dpn_testing::forged;
 use peak_alloc::PeakAlloc;
 use std::io::{self, Read};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tempfile::TempDir;
 
 #[global_allocator]
@@ -26,6 +27,7 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 const ALWAYS: usize = 64 << 20;
 const TIMES: usize = 40;
+/// Of the processor, whatever else it does.
 const LONGEST: Duration = Duration::from_secs(10);
 
 /// Measures cases and keeps those beyond the budget.
@@ -38,7 +40,7 @@ impl Judge {
     /// `read` bytes may be read in `work`.
     fn case(&mut self, name: &str, read: usize, work: impl FnOnce()) {
         ALLOCATOR.reset_peak_usage();
-        let (before, start) = (ALLOCATOR.current_usage(), Instant::now());
+        let (before, start) = (ALLOCATOR.current_usage(), ProcessTime::now());
         work();
         let (peak, took) = (ALLOCATOR.peak_usage().saturating_sub(before), start.elapsed());
         let budget = ALWAYS + TIMES * read;
