@@ -137,13 +137,16 @@ impl Trainer {
         let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
         validation.disturb(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
-        let network = Trainable::new(&config.network)?;
+        let network = |on| Trainable::new(&config.network, &on);
         let learner = match device {
-            Device::Cpu => Learner::Cpu(network),
+            Device::Cpu => Learner::Cpu(network(dpn_pronet::Device::Cpu)?),
+            #[cfg(feature = "ndarray")]
+            Device::Ndarray => Learner::Cpu(network(dpn_pronet::Device::ndarray())?),
             #[cfg(feature = "wgpu")]
             Device::Gpu(gpu) => {
+                let here = network(dpn_pronet::Device::Cpu)?;
                 let weights = init::initial_parameters(&config.network, &stream.named("weights"));
-                Learner::Gpu(OnCard::new(gpu, network, &config, adam(&config), &fit, &weights)?)
+                Learner::Gpu(OnCard::new(gpu, here, &config, adam(&config), &fit, &weights)?)
             }
         };
         Ok(Self { config, fit, validation, truth, stream, learner })

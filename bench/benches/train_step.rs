@@ -10,7 +10,7 @@
 use dpn_bench::{asked, iterations, time};
 use dpn_core::random::Stream;
 use dpn_pronet::config::Input;
-use dpn_pronet::{Adam, AdamConfig, ProNetConfig, Trainable, init::initial_parameters};
+use dpn_pronet::{Adam, AdamConfig, Device, ProNetConfig, Trainable, init::initial_parameters};
 use rand::Rng;
 
 fn main() {
@@ -51,7 +51,7 @@ fn main() {
 
 fn step(name: &str, config: &ProNetConfig, batch: usize) {
     let stream = Stream::new(1).named("bench");
-    let network = Trainable::new(config).expect("its keys go together");
+    let network = Trainable::new(config, &Device::Cpu).expect("its keys go together");
     let mut rng = stream.named("windows").rng();
     let windows: Vec<f32> = (0..batch * config.window).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect();
     let mut parameters = initial_parameters(config, &stream);

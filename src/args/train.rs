@@ -51,7 +51,7 @@ pub(crate) struct TrainArgs {
     /// where the configuration has none of its own.
     #[arg(long, value_name = "HZ", value_parser = super::rate)]
     pub(crate) rate: Option<SampleRate>,
-    /// Where to compute: cpu, or wgpu (a GPU), where built with that feature. Without it cpu, or the plan's.
+    /// Where to compute: cpu, or ndarray (of burn), wgpu (a GPU), where built with that feature. Without it cpu, or the plan's.
     #[arg(long)]
     pub(crate) device: Option<String>,
     /// Print the training summary as JSON on stdout.

@@ -8,7 +8,7 @@ use dpn_core::config::Validate;
 use dpn_core::random::Stream;
 use dpn_pronet::config::{BlockOrder, Head, Input, NormAxes, Pool};
 use dpn_pronet::init::initial_parameters;
-use dpn_pronet::{AdamConfig, ProNetConfig, Trainable};
+use dpn_pronet::{AdamConfig, Device, ProNetConfig, Trainable};
 use rand::Rng;
 use rand::seq::IndexedRandom;
 
@@ -106,10 +106,11 @@ fn answers_and_gradients_are_the_processors_for_any_configuration() {
             _ => Loss::Mse,
         };
         let mut said = Vec::new();
-        let (value, gradient) = Trainable::new(&config).unwrap().gradient(&flat, &x, |answers| {
-            said = answers.to_vec();
-            loss(kind, config.output_scale() as f32, answers, &labels)
-        });
+        let (value, gradient) =
+            Trainable::new(&config, &Device::Cpu).unwrap().gradient(&flat, &x, |answers| {
+                said = answers.to_vec();
+                loss(kind, config.output_scale() as f32, answers, &labels)
+            });
         let adam = AdamConfig { beta1: 0.0, ..AdamConfig::default() };
         let training = Training::new(&gpu, &config, kind, adam, 0.0);
         let answers = training.answers(&flat, x.clone()).unwrap();

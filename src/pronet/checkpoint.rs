@@ -111,7 +111,7 @@ impl Checkpoint {
 #[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
-    use crate::Trainable;
+    use crate::{Device, Trainable};
     use dpn_core::random::Stream;
     use rand::Rng;
     use serde_json::json;
@@ -144,7 +144,7 @@ mod tests {
     fn step(state: &mut Checkpoint, epoch: u64) {
         let mut rng = Stream::new(5).named("batch").index(epoch).rng();
         let x: Vec<f32> = (0..33 * 40).map(|_| 0.3 * rng.random::<f32>()).collect();
-        let network = Trainable::new(&state.config).unwrap();
+        let network = Trainable::new(&state.config, &Device::Cpu).unwrap();
         let (_, gradient) = network.gradient(&state.parameters, &x, |sigma| {
             (0.0, sigma.iter().map(|sigma| (sigma - 0.1) * 200.0 / 33.0).collect())
         });

@@ -4,7 +4,8 @@
 //! it: three blocks of convolution, layer normalisation and leaky ReLU, pooling over time, four linear layers
 //! (VIO-DualProNet, arXiv 2308.11228). Every choice the paper leaves open is a key of [`ProNetConfig`].
 //!
-//! * [`Trainable`]: a loss and its gradient, by kernels of this crate.
+//! * [`Trainable`]: a loss and its gradient, by kernels of this crate; with the feature `burn` on any of its devices, of the network as a burn
+//!   module (`ProNet`).
 //! * [`Adam`], [`Checkpoint`]: the optimiser over the flat parameters, and a training's state in a file, to the bit.
 //! * [`Weights`]: a trained network in a safetensors file that PyTorch reads by name.
 //! * [`Predictor`], [`DualProNet`]: inference without burn, for windows at hand and for a stream of samples.
@@ -15,10 +16,10 @@
 //!
 //! ```
 //! use dpn_core::{Sensor, random::Stream};
-//! use dpn_pronet::{Adam, AdamConfig, Card, Predictor, ProNetConfig, Trainable, Weights, init::initial_parameters};
+//! use dpn_pronet::{Adam, AdamConfig, Card, Device, Predictor, ProNetConfig, Trainable, Weights, init::initial_parameters};
 //!
 //! let config = ProNetConfig { window: 20, channels: vec![4, 4, 4], ..ProNetConfig::for_sensor(Sensor::Gyro) };
-//! let network = Trainable::new(&config)?;
+//! let network = Trainable::new(&config, &Device::Cpu)?;
 //! let mut parameters = initial_parameters(&config, &Stream::new(1).named("init"));
 //! let windows = [[0.01; 20], [0.02; 20]].concat(); // [batch, window]
 //! let target = [0.004, 0.008]; // [batch]
@@ -49,15 +50,13 @@ pub mod definition;
 // Inference uses the forward half alone.
 #[cfg_attr(not(feature = "train"), allow(dead_code))]
 mod engine;
-#[cfg(all(test, feature = "train"))]
-mod golden;
 #[cfg(feature = "init")]
 pub mod init;
 pub mod model;
-#[cfg(all(test, feature = "burn"))]
+#[cfg(feature = "burn")]
 mod module;
 pub mod network;
-#[cfg(all(test, feature = "burn"))]
+#[cfg(feature = "burn")]
 mod plain;
 pub mod predictor;
 mod processor;
@@ -73,12 +72,14 @@ pub use adam::{Adam, AdamConfig};
 pub use checkpoint::Checkpoint;
 pub use config::ProNetConfig;
 pub use model::DualProNet;
+#[cfg(feature = "burn")]
+pub use module::ProNet;
 pub use predictor::Predictor;
 pub use processor::processor;
 pub use store::StoreError;
 pub use stream::{Gate, SampleStream, StreamError, StreamSigma};
 #[cfg(feature = "train")]
-pub use trainable::Trainable;
+pub use trainable::{Device, Trainable};
 pub use weights::{Card, Weights};
 
 /// The crate's README, whose example is a test.

@@ -1,4 +1,5 @@
-//! The network as a burn module, in primitives that every device of burn knows: what the kernels of this crate are held to.
+//! The network as a burn module, in primitives that every device of burn knows: what the kernels of this crate are held to, and what learns on
+//! other devices than the processor.
 //!
 //! Blocks of convolution, layer normalisation and leaky ReLU (or the paper's other order), pooling over time, linear layers with
 //! leaky ReLU, and a head that turns the last number into a deviation (`plain`).
@@ -15,7 +16,7 @@ use dpn_core::random::Stream;
 
 /// Convolution over time.
 #[derive(Module, Debug)]
-pub(crate) struct Conv {
+pub struct Conv {
     /// `[channels out, channels in, kernel]`
     pub weight: Param<Tensor<3>>,
     /// `[channels out]`
@@ -24,7 +25,7 @@ pub(crate) struct Conv {
 
 /// Gain and offset of a normalisation.
 #[derive(Module, Debug)]
-pub(crate) struct Norm {
+pub struct Norm {
     /// Gain, `[channels]`
     pub weight: Param<Tensor<1>>,
     /// Offset, `[channels]`
@@ -33,7 +34,7 @@ pub(crate) struct Norm {
 
 /// Linear layer in PyTorch's layout.
 #[derive(Module, Debug)]
-pub(crate) struct Linear {
+pub struct Linear {
     /// `[features out, features in]`
     pub weight: Param<Tensor<2>>,
     /// `[features out]`
@@ -42,7 +43,7 @@ pub(crate) struct Linear {
 
 /// Accel-ProNet or Gyro-ProNet: windows of one axis in, one deviation a window out.
 #[derive(Module, Debug)]
-pub(crate) struct ProNet {
+pub struct ProNet {
     /// Convolutions, first block first.
     pub conv: Vec<Conv>,
     /// Normalisations, one a block; empty with `norm_axes = "none"`.
@@ -59,7 +60,7 @@ impl ProNet {
     ///
     /// # Errors
     /// The faults of the configuration.
-    pub(crate) fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
+    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
         config.validate()?;
         Ok(Self::of(config, &initial_parameters(config, stream), device))
     }
@@ -100,17 +101,17 @@ impl ProNet {
     }
 
     /// What the network was made from.
-    pub(crate) fn config(&self) -> &ProNetConfig {
+    pub fn config(&self) -> &ProNetConfig {
         &self.config
     }
 
     /// The device its weights are on.
-    pub(crate) fn device(&self) -> Device {
+    pub fn device(&self) -> Device {
         self.fc[0].bias.val().device()
     }
 
     /// All parameters as numbers, in the order of [`crate::shape::parameters`].
-    pub(crate) fn parameters(&self) -> Vec<f32> {
+    pub fn parameters(&self) -> Vec<f32> {
         let mut parts = Vec::new();
         for (i, conv) in self.conv.iter().enumerate() {
             parts.push(conv.weight.val().reshape([-1])); // [out * in * kernel]
@@ -128,7 +129,7 @@ impl ProNet {
 
     /// The gradient of whatever `gradients` was computed from, in the order of [`Self::parameters`]; zeros for parameters that
     /// it does not depend on.
-    pub(crate) fn flat_gradient(&self, gradients: &Gradients) -> Vec<f32> {
+    pub fn flat_gradient(&self, gradients: &Gradients) -> Vec<f32> {
         fn push<const D: usize>(flat: &mut Vec<f32>, param: &Param<Tensor<D>>, gradients: &Gradients) {
             let value = param.val();
             match value.grad(gradients) {
@@ -159,7 +160,7 @@ impl ProNet {
     /// # Panics
     /// When `flat` has not as many numbers as the network has parameters.
     #[must_use]
-    pub(crate) fn with_parameters(&self, flat: &[f32]) -> Self {
+    pub fn with_parameters(&self, flat: &[f32]) -> Self {
         Self::of(&self.config, flat, &self.device())
     }
 }
@@ -181,6 +182,7 @@ fn param<const D: usize>(
     Param::initialized(ParamId::from(index as u64), tensor)
 }
 
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -216,5 +218,29 @@ mod tests {
             (sigma[1] / sigma[0] - 1.0).abs()
         };
         assert!(ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false), "{} {}", ratio(false), ratio(true));
+    }
+
+    #[cfg(feature = "ndarray")]
+    #[test]
+    #[allow(
+        deprecated,
+        reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
+    )]
+    fn flex_and_ndarray_agree_on_a_small_batch() {
+        let config = ProNetConfig { window: 60, ..ProNetConfig::default() };
+        let run = |device: Device| {
+            let device = device.autodiff();
+            let net = ProNet::new(&config, &Stream::new(8), &device).unwrap();
+            let x: Vec<f32> = (0..5 * 60).map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2).collect();
+            let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [5, 60]), &device));
+            let loss = ((sigma.clone() - 0.1) * 10.0).square().mean();
+            (floats(sigma), net.flat_gradient(&loss.backward()))
+        };
+        let (flex, ndarray) = (run(Device::flex()), run(Device::ndarray()));
+        for (a, b) in [(flex.0, ndarray.0), (flex.1, ndarray.1)] {
+            let largest = a.iter().fold(0f32, |m, v| m.max(v.abs()));
+            assert!(largest > 1e-3);
+            assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5 * largest));
+        }
     }
 }

@@ -4,10 +4,10 @@
 
 use crate::config::{BlockOrder, Head, Input, Pool, ProNetConfig};
 use crate::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, NORM_EPSILON, POOL_EPSILON};
-use crate::module::{ProNet, floats};
+use crate::module::ProNet;
 use burn::module::Param;
 use burn::tensor::ops::ConvOptions;
-use burn::tensor::{Device, Tensor, TensorData, activation, module::conv1d};
+use burn::tensor::{Tensor, activation, module::conv1d};
 
 impl ProNet {
     /// The deviation of each window, in the sensor's unit.
@@ -20,7 +20,7 @@ impl ProNet {
     ///
     /// # Panics
     /// When a window has not the configuration's length.
-    pub(crate) fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
+    pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
         let [batch, _] = windows.dims();
         self.answers(windows).slice([0..batch, 0..1]).squeeze_dim(1) // [batch]
     }
@@ -33,7 +33,7 @@ impl ProNet {
     ///
     /// # Panics
     /// When a window has not the configuration's length.
-    pub(crate) fn answers(&self, windows: Tensor<2>) -> Tensor<2> {
+    pub fn answers(&self, windows: Tensor<2>) -> Tensor<2> {
         let config = self.config();
         let [_, window] = windows.dims();
         assert_eq!(window, config.window, "the network takes windows of {}", config.window);
@@ -102,23 +102,6 @@ impl ProNet {
 ///
 /// # Shapes
 /// `windows`: `[batch, window]`; returns `[batch, 1, time]`.
-/// As [`Trainable::gradient`](crate::Trainable::gradient), by burn's automatic differentiation.
-pub(crate) fn gradient(
-    config: &ProNetConfig,
-    parameters: &[f32],
-    windows: &[f32],
-    loss: impl FnOnce(&[f32]) -> (f64, Vec<f32>),
-) -> (f64, Vec<f32>) {
-    let device = &Device::flex().autodiff();
-    let network = ProNet::of(config, parameters, device);
-    let shape = [windows.len() / config.window, config.window];
-    let answers = network.answers(Tensor::from_data(TensorData::new(windows.to_vec(), shape), device)); // [batch, outputs]
-    let (value, d_answers) = loss(&floats(answers.clone()));
-    let d_answers = TensorData::new(d_answers, answers.dims());
-    let gradients = (answers * Tensor::from_data(d_answers, device)).sum().backward();
-    (value, network.flat_gradient(&gradients))
-}
-
 fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> Tensor<3> {
     let [batch, _] = windows.dims();
     let x = windows * (1.0 / config.input_scale()) as f32; // [batch, window]
@@ -140,6 +123,7 @@ mod tests {
     use crate::config::NormAxes;
     use crate::init::initial_parameters;
     use crate::trainable::Trainable;
+    use burn::tensor::Device;
     use dpn_core::config::Validate;
     use dpn_core::random::Stream;
     use rand::Rng;
@@ -198,6 +182,7 @@ mod tests {
 
     #[test]
     fn kernels_and_plain_agree_in_values_and_gradients_for_any_configuration() {
+        let device = Device::flex().autodiff();
         let mut cases = 0;
         for case in 0..60 {
             let stream = Stream::new(11).named("fused").index(case);
@@ -213,16 +198,16 @@ mod tests {
                 .collect();
             let count = rng.random_range(1..40);
             let x = windows(count, config.window, &mut rng);
-            let mut said = [Vec::new(), Vec::new()];
-            let loss = |said: &mut Vec<f32>, answers: &[f32]| {
-                *said = answers.to_vec();
-                (0.0, d_answers(answers, count))
-            };
-            let [first, second] = &mut said;
-            let kernels =
-                Trainable::new(&config).unwrap().gradient(&flat, &x, |answers| loss(first, answers)).1;
-            let plain = gradient(&config, &flat, &x, |answers| loss(second, answers)).1;
-            let (values, gradients) = (relative(&said[0], &said[1]), relative(&kernels, &plain));
+            let [kernels, plain] = [crate::Device::Cpu, crate::Device::Burn(device.clone())].map(|device| {
+                let mut said = Vec::new();
+                let gradient = Trainable::new(&config, &device).unwrap().gradient(&flat, &x, |answers| {
+                    said = answers.to_vec();
+                    (0.0, d_answers(answers, count))
+                });
+                (said, gradient.1)
+            });
+            let (values, gradients) = (relative(&kernels.0, &plain.0), relative(&kernels.1, &plain.1));
+            let plain = plain.1;
             // With a slope of zero below zero a network may be dead: then both gradients are zero.
             cases += usize::from(plain.iter().any(|g| g.abs() > 1e-6));
             // The gradient of a logarithm is as large as what it is of is small: rounding in a channel that hardly swings counts more.

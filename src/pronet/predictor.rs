@@ -30,6 +30,11 @@ impl Predictor {
         }
     }
 
+    /// What the network was made from.
+    pub fn config(&self) -> &ProNetConfig {
+        &self.config
+    }
+
     /// Writes the deviation of each window into `sigma`.
     ///
     /// # Shapes

@@ -1,11 +1,13 @@
 //! Weights that dpn wrote, loaded by PyTorch, must give PyTorch's deviations and gradients (`golden/pronet_pytorch/make.py`).
 
-use crate::adam::{Adam, AdamConfig};
-use crate::config::{Input, Pool, ProNetConfig};
-use crate::init::initial_parameters;
-use crate::shape::parameters;
-use crate::{Card, Predictor, Trainable, Weights};
+#![allow(clippy::unwrap_used)]
+
 use dpn_core::random::Stream;
+use dpn_pronet::adam::{Adam, AdamConfig};
+use dpn_pronet::config::{Input, Pool, ProNetConfig};
+use dpn_pronet::init::initial_parameters;
+use dpn_pronet::shape::parameters;
+use dpn_pronet::{Card, Device, Predictor, Trainable, Weights};
 use rand::Rng;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -95,19 +97,13 @@ fn network(case: &Value) -> (ProNetConfig, Vec<f32>) {
     (config, flat)
 }
 
-/// By the kernels, and with burn by the composition in its primitives.
-fn gradients(
-    config: &ProNetConfig,
-    flat: &[f32],
-    windows: &[f32],
-    loss: &dyn Fn(&[f32]) -> Vec<f32>,
-) -> Vec<(&'static str, Vec<f32>)> {
-    let loss = |answers: &[f32]| (0.0, loss(answers));
-    vec![
-        ("kernels", Trainable::new(config).unwrap().gradient(flat, windows, loss).1),
-        #[cfg(feature = "burn")]
-        ("plain", crate::plain::gradient(config, flat, windows, loss).1),
-    ]
+/// The kernels, and with burn the composition in its primitives.
+fn devices() -> Vec<(&'static str, Device)> {
+    #[cfg_attr(not(feature = "burn"), expect(unused_mut, reason = "one way alone"))]
+    let mut devices = vec![("kernels", Device::Cpu)];
+    #[cfg(feature = "burn")]
+    devices.push(("plain", Device::Burn(burn::tensor::Device::flex().autodiff())));
+    devices
 }
 
 /// Asserts agreement to `tolerance` of the largest number.
@@ -130,13 +126,13 @@ fn deviations_are_pytorchs_for_every_order_axes_and_head() {
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let sigma = numbers(&case["sigma"]);
         let what = format!("{} {}", case["file"], case["changes"]);
-        let said = std::cell::RefCell::new(Vec::new());
-        gradients(&config, &flat, &windows, &|sigma| {
-            said.borrow_mut().push(sigma.to_vec());
-            vec![0.0; sigma.len()]
-        });
-        for ours in said.borrow().iter() {
-            agree(ours, &sigma, 1e-5, &what);
+        for (way, device) in devices() {
+            let mut ours = Vec::new();
+            Trainable::new(&config, &device).unwrap().gradient(&flat, &windows, |sigma| {
+                ours = sigma.to_vec();
+                (0.0, vec![0.0; sigma.len()])
+            });
+            agree(&ours, &sigma, 1e-5, &format!("{way} {what}"));
         }
         let mut streamed = vec![0.0; rows.len()];
         Predictor::new(&Weights::new(&config, flat, Card::default())).predict(&windows, &mut streamed);
@@ -159,9 +155,11 @@ fn loss_gradients_are_pytorchs_for_every_parameter() {
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let theirs: Vec<f64> = parameters(&config).iter().flat_map(|p| numbers(&gradient[&p.name])).collect();
         let count = rows.len() as f32;
-        // Of the mean of (10 (sigma - 0.1))^2.
-        let loss = |sigma: &[f32]| sigma.iter().map(|sigma| (sigma - 0.1) * 200.0 / count).collect();
-        for (way, ours) in gradients(&config, &flat, &windows, &loss) {
+        for (way, device) in devices() {
+            let (_, ours) = Trainable::new(&config, &device).unwrap().gradient(&flat, &windows, |sigma| {
+                // Of the mean of (10 (sigma - 0.1))^2.
+                (0.0, sigma.iter().map(|sigma| (sigma - 0.1) * 200.0 / count).collect())
+            });
             agree(&ours, &theirs, 2e-5, &format!("{way} {} {}", case["file"], case["changes"]));
         }
         seen += 1;
