@@ -21,7 +21,7 @@ use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{Criterion, RowSet, Study};
-use dpn_figures::{Chart, Provenance, save};
+use dpn_figures::{Chart, ENDINGS, Provenance, save};
 use dpn_io::{IoError, ResultPath, write_file};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
@@ -409,7 +409,8 @@ impl FigureWriter<'_> {
     ) -> Result<(), PaperError> {
         save(&chart.made_by(&self.made_by.of(runs)), self.out.join(name))?;
         let svg = self.out.join(format!("{name}.svg")).text()?;
-        self.files.extend(["pdf", "png", "csv"].map(|ending| format!("{name}.{ending}")));
+        let beside = ENDINGS.into_iter().filter(|ending| *ending != "svg"); // which `added` names
+        self.files.extend(beside.map(|ending| format!("{name}.{ending}")));
         self.added(name, title, runs, svg);
         Ok(())
     }

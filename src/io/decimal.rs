@@ -49,7 +49,7 @@ impl TimeUnit {
         }
     }
 
-    /// Power of ten that makes nanoseconds of it; of days their billionths of a thousandth.
+    /// Power of ten that makes nanoseconds of it; of days, counts of 86.4 ns.
     fn power(self) -> i32 {
         match self {
             Self::Days => 12,

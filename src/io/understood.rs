@@ -237,6 +237,10 @@ fn columns(
         let named = names::from_header(header, path, only, Told { counted, units })?;
         let Named { mut columns, time, fine, gyro, accel, gravity_may_be_in, mut passed } = named;
         columns.fraction = columns.fraction.filter(|fraction| is_fraction(rows.clone(), *fraction));
+        if let Some((column, _)) = columns.fraction {
+            // It is read, so it is not passed over.
+            passed.retain(|words| !words.ends_with(&format!("not `{}`", header.names[column])));
+        }
         columns.gravity =
             columns.gravity.filter(|axes| !gravity_may_be_in || lacks_gravity(rows, columns.accel, *axes));
         if let Some(axes) = columns.gravity {
