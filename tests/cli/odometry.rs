@@ -277,16 +277,29 @@ fn on_flights_as_they_are_no_bias_jumps() {
     }
 }
 
+/// A start in flight on given tracks: from its first motion to its pose \[s\], and its scale's error.
+fn start(sequence: &str, from: &str, to: &str) -> Option<[f64; 2]> {
+    let [euroc, tracks] = dpn_testing::packs(["euroc", "tracks"])?;
+    let tmp = tempfile::tempdir().unwrap();
+    let span =
+        ["--from", from, "--to", to, "--noise", "self", "--json", "--tracks", tracks.to_str().unwrap()];
+    let said = odometry(&euroc.join(sequence), &tmp.path().join("out"), &span).well().json();
+    let row = &said["report"]["row"];
+    Some(["init_in_motion_s", "scale_error"].map(|key| row[key].as_f64().expect("it starts")))
+}
+
 /// An adjustment of this start that begins at the linear alignment's scale ends with three and a half times the size.
 #[test]
 fn a_start_in_flight_with_two_answers_is_waited_through() {
-    let Some([euroc, tracks]) = dpn_testing::packs(["euroc", "tracks"]) else { return };
-    let tmp = tempfile::tempdir().unwrap();
-    let span =
-        ["--from", "44", "--to", "55", "--noise", "self", "--json", "--tracks", tracks.to_str().unwrap()];
-    let said = odometry(&euroc.join("MH_04_difficult"), &tmp.path().join("out"), &span).well().json();
-    let error = said["report"]["row"]["scale_error"].as_f64().expect("it starts");
-    assert!(error.abs() < 0.1, "{error}");
+    let Some([_, scale]) = start("MH_04_difficult", "44", "55") else { return };
+    assert!(scale.abs() < 0.1, "{scale}");
+}
+
+/// The linear alignment has no scale for it in the first three seconds.
+#[test]
+fn a_start_whose_scale_the_linear_alignment_does_not_know_is_early() {
+    let Some([seconds, scale]) = start("MH_05_difficult", "78", "86") else { return };
+    assert!(seconds < 1.5 && scale.abs() < 0.1, "{seconds} s, {scale}");
 }
 
 #[test]

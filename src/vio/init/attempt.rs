@@ -7,6 +7,7 @@ use super::frame::shared;
 use super::gyro_bias::{self, RotationPair};
 use super::outcome::{Initialised, InitialisedFrame, WaitReason};
 use super::refine::{Known, Refined, refine};
+use super::robust::median;
 use super::structure::{self, Input, Structure};
 use crate::preint::Preintegration;
 use crate::state::{GYRO_BIAS, ImuBias, NavState, ROTATION};
@@ -21,6 +22,10 @@ const PAIR_REACH: usize = 2;
 const CAMERA_STD: f64 = 0.02;
 /// Relative deviation of the alignment's scale beyond which refining is not tried.
 const HOPELESS_SCALE_STD: f64 = 1.0;
+/// Depth of the median point from which the adjustments begin where the linear alignment knows no scale \[m\]; they go on to twice of it.
+const BEGIN_DEPTH_M: f64 = 6.0;
+/// Time that the frames must span for that \[s\]: an alignment that knows the scale a fifth of a second later errs less, so two tries are left to it.
+const BEGIN_SPAN_S: f64 = 1.38;
 /// Two adjustments have ended in one place whose sizes differ by no more than this, as a logarithm, or than a share of the deviation that the scale is said to have:
 /// the less certain a scale, the slower they arrive.
 const SAME: f64 = 0.01;
@@ -93,7 +98,7 @@ pub(super) fn attempt(
 
 /// States in metres. The linear alignment makes motions too small, for cameras that are not exact lessen what it sees of them, and an adjustment that begins too
 /// small can end where noise of the accelerometer explains what is wrong. So it is begun twice, the second time from twice the size, and both have to end in one
-/// place.
+/// place: in the very same where the alignment knows no scale, and they begin at a depth that is anybody's.
 fn metric(structure: &Structure, known: &Known<'_>, config: &InitConfig) -> Result<Refined, WaitReason> {
     let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
     let aligned = |expected| {
@@ -103,11 +108,18 @@ fn metric(structure: &Structure, known: &Known<'_>, config: &InitConfig) -> Resu
         let std = if found.scale > 0.0 { found.scale_std } else { f64::INFINITY };
         if std <= HOPELESS_SCALE_STD { Ok(found) } else { Err(uncertain(std)) }
     };
-    let first = aligned(None)?;
+    let span: f64 = known.preints.iter().map(Preintegration::duration).sum();
+    let (first, share) = match aligned(None) {
+        Err(_) if span >= BEGIN_SPAN_S => {
+            let inverse_depth = median(structure.landmarks.iter().filter_map(|l| l.inverse_depth));
+            (aligned(Some(BEGIN_DEPTH_M * inverse_depth))?, 0.0)
+        }
+        alignment => (alignment?, SAME_OF_STD),
+    };
     let found = refine(structure, &first, known, config)?;
     let again = refine(structure, &aligned(Some(2.0 * first.scale))?, known, config)?;
     let apart = (extent(&found.states) / extent(&again.states)).ln().abs();
-    if apart <= SAME.max(SAME_OF_STD * found.scale_std) {
+    if apart <= SAME.max(share * found.scale_std) {
         Ok(found)
     } else {
         Err(uncertain(apart.max(config.max_scale_std)))

@@ -11,6 +11,9 @@ use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
 use nalgebra::{Isometry3, Vector3};
 
+/// Shortest part of what is held that is tried by itself \[s\]: half of a span is rarely of whole frames.
+const SHORTEST_S: f64 = 0.9 * MIN_SPAN_S;
+
 /// Finds the first states of a flight; see [`super`].
 #[derive(Debug, Clone)]
 pub struct Initialiser {
@@ -79,13 +82,15 @@ impl Initialiser {
         if !self.frames.is_multiple_of(TRY_EVERY) {
             return InitOutcome::Wait(self.last);
         }
-        let found = self.attempt(&self.buffer.choose(&self.config), resting).or_else(|reason| match reason {
-            // Fast motion breaks tracks: half of the span holds more that all frames see.
-            WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. } => {
-                self.attempt(&self.buffer.latest_half().choose(&self.config), resting).map_err(|_| reason)
-            }
-            _ => Err(reason),
-        });
+        let mut found = self.attempt(&self.buffer.choose(&self.config), resting);
+        let mut latest = self.buffer.latest_half();
+        // Fast motion breaks tracks: half of the span holds more that all frames see, and half of that.
+        while let Err(reason @ (WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. })) = found
+            && latest.span() >= SHORTEST_S
+        {
+            found = self.attempt(&latest.choose(&self.config), resting).map_err(|_| reason);
+            latest = latest.latest_half();
+        }
         match found {
             Ok(found) => {
                 self.reset();
