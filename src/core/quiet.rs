@@ -15,9 +15,11 @@ const STRETCH: usize = 100;
 const LEAST: usize = 5;
 /// Noise of the accelerometer, in lengths of its vector, below which nothing shakes.
 const QUIET: f64 = 0.01;
+/// Spread of a gyroscope's axis over a stretch, in its noise, above which it turns: slowly sampled turns have large differences too.
+const TURNING: f64 = 3.0;
 
-/// Noise of a sample on the loudest axis in a stretch in which the accelerometer, in whatever unit, does not shake: the lowest tenth of the stretches; none where
-/// it always does.
+/// Noise of a sample on the loudest axis that does not turn in a stretch in which the accelerometer, in whatever unit, does not shake: the lowest tenth of the
+/// stretches; none where there are hardly any.
 ///
 /// # Errors
 /// As [`Samples::piece`].
@@ -25,14 +27,24 @@ pub fn quiet_gyro_noise(samples: &dyn Samples) -> io::Result<Option<f64>> {
     let noise = |signal: &[f64]| {
         stats::deviation(&stats::differences(signal, 2), stats::Ddof::Zero) / stats::difference_gain(2)
     };
-    let of = |stretch: &[ImuSample], axis: fn(&ImuSample) -> [f64; 3]| {
-        (0..3).map(|i| noise(&stretch.iter().map(|s| axis(s)[i]).collect::<Vec<_>>())).fold(0.0, f64::max)
+    let axes = |stretch: &[ImuSample], of: fn(&ImuSample) -> [f64; 3]| {
+        [0, 1, 2].map(|i| stretch.iter().map(|s| of(s)[i]).collect::<Vec<f64>>())
+    };
+    let shakes =
+        |stretch: &[ImuSample]| axes(stretch, |s| s.accel).iter().map(|x| noise(x)).fold(0.0, f64::max);
+    // An axis that turns says nothing of its noise.
+    let loudest = |stretch: &[ImuSample]| {
+        let still = axes(stretch, |s| s.gyro).into_iter().filter_map(|signal| {
+            let noise = noise(&signal);
+            (stats::deviation(&signal, stats::Ddof::Zero) <= TURNING * noise).then_some(noise)
+        });
+        still.reduce(f64::max)
     };
     let length = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
     let mut noises = Vec::new();
     samples.pieces(0..samples.len().min(LOOKED_AT), STRETCH, &mut |stretch| {
-        if stretch.len() == STRETCH && of(stretch, |s| s.accel) < QUIET * length(stretch[0].accel) {
-            noises.push(of(stretch, |s| s.gyro));
+        if stretch.len() == STRETCH && shakes(stretch) < QUIET * length(stretch[0].accel) {
+            noises.extend(loudest(stretch));
         }
         Ok(())
     })?;

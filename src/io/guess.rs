@@ -216,4 +216,27 @@ mod tests {
         let swapped = |samples: &[ImuSample]| super::swapped(&samples).unwrap();
         assert!(!swapped(&sound) && swapped(&other) && !swapped(&[]));
     }
+
+    #[test]
+    fn a_slowly_sampled_gyroscope_that_swings_is_not_taken_for_one_in_degrees() {
+        // Level, about the upright axis: the accelerometer feels nothing of it.
+        let swings = |unit: f64| {
+            let still = samples(0.0).into_iter().enumerate();
+            let at_15_hz = still.map(|(i, s)| {
+                let t_s = i as f64 / 15.0;
+                let rate = 0.7 * (3.0 * std::f64::consts::PI * t_s).sin();
+                let [x, y, z] = s.gyro;
+                ImuSample {
+                    t: Stamp::from_ns((t_s * 1e9) as i64),
+                    gyro: [x * unit, y * unit, (z + rate) * unit],
+                    ..s
+                }
+            });
+            at_15_hz.collect::<Vec<_>>()
+        };
+        assert_eq!(gyro_unit(&swings(1.0).as_slice()).unwrap(), GyroUnit::RadPerSecond);
+        // The axes that do not turn tell.
+        let degrees = swings(180.0 / std::f64::consts::PI);
+        assert_eq!(gyro_unit(&degrees.as_slice()).unwrap(), GyroUnit::DegPerSecond);
+    }
 }
