@@ -330,7 +330,9 @@ fn meaning(original: &str) -> Option<Meaning> {
     if NANOS.contains(&stripped(&whole)) {
         return None;
     }
-    if let Some(found) = slot_of(&whole) {
+    // `ts` is a stamp's name, `t_s` a time in seconds.
+    let is_in_seconds = stripped(&whole) == "ts" && !name.trim().to_ascii_lowercase().ends_with("ts");
+    if let Some(found) = slot_of(&whole).filter(|_| !is_in_seconds) {
         return with(found, String::new());
     }
     // A unit behind the name: one more word at the end, then two, then three (`gyro_x_rad_s`, `acc_x_m_s_2`, `UncalGyroXRadPerSec`).
@@ -577,5 +579,16 @@ mod tests {
             from_header(&header("t,gx [turns],gy,gz,ax,ay,az"), Path::new("f.csv"), None, told).unwrap();
         assert_eq!((named.gyro, &named.passed[0][..]), (None, "the unit as told, not that of `gx [turns]`"));
         assert!(case("t,gx [dps],gy [rad/s],gz,ax,ay,az").contains("the same for all axes"));
+    }
+
+    #[test]
+    fn a_stamp_called_ts_has_no_unit_and_a_time_called_t_s_has_seconds() {
+        let unit = |time: &str| named(&format!("{time},gx,gy,gz,ax,ay,az")).unwrap().time;
+        assert_eq!(unit("ts"), None);
+        assert_eq!(unit("ts_us"), Some(TimeUnit::Micros));
+        assert_eq!(unit("t_s"), Some(TimeUnit::Seconds));
+        assert_eq!(unit("t [s]"), Some(TimeUnit::Seconds));
+        // As boards' examples print them.
+        assert!(named("millis,AcX,AcY,AcZ,Tmp,GyX,GyY,GyZ").is_ok());
     }
 }

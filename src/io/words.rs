@@ -4,7 +4,7 @@
 pub(super) type Word = (&'static str, u8, &'static str);
 
 /// Of stamps.
-pub(super) const TIME: [Word; 42] = [
+pub(super) const TIME: [Word; 43] = [
     ("headerstamp", 6, ""),
     ("headerstampsec", 6, "s"),
     ("headerstampsecs", 6, "s"),
@@ -49,6 +49,7 @@ pub(super) const TIME: [Word; 42] = [
     ("secs", 3, "s"),
     ("sec", 3, "s"),
     ("t", 2, ""),
+    ("ts", 2, ""),
 ];
 /// The same in microseconds; they are stamps of their own too.
 pub(super) const MICROS: [&str; 10] = [
@@ -76,11 +77,12 @@ pub(super) const NANOS: [&str; 9] = [
     "nsecs",
 ];
 /// Of gyroscopes, without the axis.
-pub(super) const GYRO: [Word; 23] = [
+pub(super) const GYRO: [Word; 24] = [
     ("w", 2, ""),
     ("wrss", 3, ""),
     ("g", 2, ""),
     ("gyr", 3, ""),
+    ("gy", 3, ""),
     ("gyro", 3, ""),
     ("gyros", 3, ""),
     ("gyrorad", 3, "rads"),
@@ -103,10 +105,11 @@ pub(super) const GYRO: [Word; 23] = [
     ("gyrointegralrad", 1, "rads"),
 ];
 /// Of accelerometers, without the axis.
-pub(super) const ACCEL: [Word; 30] = [
+pub(super) const ACCEL: [Word; 31] = [
     ("a", 2, ""),
     ("arss", 3, ""),
     ("acc", 3, ""),
+    ("ac", 3, ""),
     ("accel", 3, ""),
     ("accelerometer", 3, ""),
     ("accelerometerms2", 3, "ms2"),
