@@ -44,7 +44,9 @@ pub(crate) fn open<'a>(bytes: &'a [u8], path: &'a Path, only: Option<Sensor>) ->
             }
         }
     }
-    let Some((_, at, names)) = best else { return Rows::open(bytes, path) };
+    let Some((_, at, names)) = best else {
+        return below_talk(&lines, path, only).unwrap_or_else(|| Rows::open(bytes, path));
+    };
     let units = lines.get(at + 1).and_then(|below| with_units(below, &names));
     let (last, names) = match units {
         Some(names) => (at + 1, names),
@@ -60,6 +62,40 @@ pub(crate) fn open<'a>(bytes: &'a [u8], path: &'a Path, only: Option<Sensor>) ->
         // A row cut off, or no table: the plain way says what is wrong.
         _ => Rows::open(bytes, path),
     }
+}
+
+/// A table whose names mean nothing, or that has none, below lines that are none of it: what a board says when it starts. It begins where so many
+/// rows have as many fields, the same of them numbers; the lines of as many fields above are its header. `None` where there is no such talk.
+fn below_talk<'a>(
+    lines: &[Line<'a>],
+    path: &'a Path,
+    only: Option<Sensor>,
+) -> Option<Result<Rows<'a>, IoError>> {
+    const ROWS: usize = 8;
+    let least = if only.is_some() { 3 } else { 6 };
+    let is_row = |line: &Line<'_>| comment(line.text).is_none();
+    let shape = |line: &Line<'_>| fields(line.text).iter().map(|f| is_number(f)).collect::<Vec<_>>();
+    let shapes: Vec<Option<Vec<bool>>> = lines.iter().map(|line| is_row(line).then(|| shape(line))).collect();
+    let begins = |rows: &[Option<Vec<bool>>]| {
+        let numbers = |shape: &Vec<bool>| shape.iter().filter(|is| **is).count();
+        rows[0].as_ref().is_some_and(|first| numbers(first) >= least)
+            && rows.iter().all(|row| *row == rows[0])
+    };
+    let first = shapes.windows(ROWS).position(begins)?;
+    let width = shapes[first].as_ref()?.len();
+    let is_header = |shape: &Option<Vec<bool>>| {
+        shape.as_ref().is_some_and(|shape| shape.len() == width && !shape.contains(&true))
+    };
+    let header = first - shapes[..first].iter().rev().take_while(|shape| is_header(shape)).count();
+    let above = lines[..header].iter().rev().find(|line| is_row(line))?;
+    if header == first {
+        return Some(Rows::open(above.rest, path).map(|rows| rows.further(above.number)));
+    }
+    let names = self::names(lines[header].text)?;
+    let names = lines[..first].get(header + 1).and_then(|below| with_units(below, &names)).unwrap_or(names);
+    let named = Header { line: lines[header].number, names };
+    let Line { number, rest, .. } = lines[first - 1];
+    Some(Ok(Rows::behind(rest, number, Delimiter::of(lines[first].text), named, path)))
 }
 
 /// Whether a table of one sensor, by its first lines, has a column of stamps.
@@ -235,5 +271,28 @@ mod tests {
             (names[0].as_str(), names[3].as_str(), names[4].as_str()),
             ("Time", "Accelerometer Z", "Gyroscope X")
         );
+    }
+
+    #[test]
+    fn rows_below_what_a_board_says_when_it_starts_are_found_by_their_shape() {
+        let talk = "Starting I2C ...\nsensor found, calibrating\n";
+        let rows = |row: &dyn Fn(usize) -> String| (0..20).map(row).collect::<String>();
+        let path = Path::new("f.txt");
+        let text = format!("{talk}{}", rows(&|i| format!("{i},2.5,3,4,5,6,7\n")));
+        let mut plain = open(text.as_bytes(), path, None).unwrap();
+        assert!(plain.header().is_none() && plain.width() == 7 && plain.advance().unwrap());
+        assert_eq!((plain.line(), plain.number(1, "v").unwrap()), (3, 2.5));
+        // Labels between the numbers are fields of no use; names over units mean nothing to this reader, and places still do.
+        let text = format!("{talk}{}", rows(&|i| format!("aX = {i} aY = 2 aZ = 3 gX = 4 gY = 5 gZ = 6\n")));
+        let mut labels = open(text.as_bytes(), path, None).unwrap();
+        assert!(labels.advance().unwrap());
+        assert_eq!((labels.line(), labels.number(17, "v").unwrap()), (3, 6.0));
+        let text = format!(
+            "\"sep=\t\"\nA\tB\tC\tD\tE\tF\nms\tg\tg\tg\tV\tV\n{}",
+            rows(&|i| format!("{i}\t2\t3\t4\t5\t6\n"))
+        );
+        let mut named = open(text.as_bytes(), path, None).unwrap();
+        assert_eq!((named.header().unwrap().line, &named.header().unwrap().names[1][..]), (2, "B [g]"));
+        assert!(named.advance().unwrap() && named.line() == 4);
     }
 }

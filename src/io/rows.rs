@@ -118,6 +118,12 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// The same where so many lines stand above what was opened.
+    pub(crate) fn further(mut self, above: usize) -> Self {
+        self.line += above;
+        self
+    }
+
     /// Takes columns by their places, whatever a header above them names.
     pub(crate) fn by_place(mut self) -> Self {
         self.header = None;
