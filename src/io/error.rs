@@ -1,7 +1,7 @@
 //! What can be wrong with a file, and what to do about it.
 
 use crate::printable;
-use crate::row_fault::{BACK, RowFault};
+use crate::row_fault::RowFault;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -69,6 +69,24 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
         /// How many samples it holds.
+        found: usize,
+    },
+    /// A recording whose samples share one stamp.
+    #[error("{}: {found} samples have one stamp", path.display())]
+    OneStamp {
+        /// The file.
+        path: PathBuf,
+        /// How many samples.
+        found: usize,
+    },
+    /// A recording of hardly a sample whose values are measurements.
+    #[error("{}: {left} samples have NaN, infinite or absurd values, and {found} is left", path.display())]
+    NoValues {
+        /// The file.
+        path: PathBuf,
+        /// How many samples are left out.
+        left: usize,
+        /// How many samples it holds else.
         found: usize,
     },
     /// A row or a header that cannot be.
@@ -232,7 +250,13 @@ impl IoError {
             }
             Self::Empty { .. } => "the download or export may have been cut off; make the file again",
             Self::TooShort { .. } => "record for longer, or look whether the file was cut off",
-            Self::GoesBack { .. } => BACK,
+            Self::NoValues { .. } => {
+                "look at what wrote them, and say which columns are meant: --columns T,GX,GY,GZ,AX,AY,AZ"
+            }
+            Self::OneStamp { .. } => "write stamps with more digits, or count the samples: --rate HZ",
+            Self::GoesBack { .. } => {
+                "sort the rows by time, or cut the log where its clock was set; or count the samples (--rate HZ)"
+            }
             Self::Row { fault, .. } => fault.hint(),
             Self::UnknownTimeUnit { .. } => {
                 "name the stamps' unit (--time-unit s, ms, us, ns), or their column: --columns T,GX,GY,GZ,AX,AY,AZ"

@@ -166,7 +166,14 @@ fn finish(
         let as_read = std::mem::take(&mut part.samples);
         part.samples = in_si(as_read, understood.gyro.value, understood.accel.value).map_err(storing)?;
     }
-    let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
+    let short = |found| {
+        let path = path.to_path_buf();
+        match (sieved.repeated.count, sieved.not_finite.count + sieved.absurd.count) {
+            (0, 0) => IoError::TooShort { path, found },
+            (0, left) => IoError::NoValues { path, left, found },
+            (repeated, _) => IoError::OneStamp { path, found: found + repeated },
+        }
+    };
     let recording = samples.recording().map_err(storing)?.map_err(short)?;
     Ok(LooseImuLog { recording, places, others, understood, sieved, unreadable, wraps: 0, said_hz: None })
 }
@@ -215,7 +222,11 @@ fn take(
         match row {
             Ok(None) => return Ok(()),
             Ok(Some(sample)) => {
-                sieve.push(ImuSample { t: counter.unwrapped(sample.t, time), ..sample }, line);
+                let t = match understood.are_dates {
+                    true => counter.of_day(sample.t),
+                    false => counter.unwrapped(sample.t, time),
+                };
+                sieve.push(ImuSample { t, ..sample }, line);
             }
             Err(IoError::Row { fault: RowFault::NotFinite { .. }, .. }) => sieve.not_finite(line),
             Err(error) => {
@@ -233,16 +244,30 @@ fn take(
     }
 }
 
-/// Stamps that may be a counter of 32 bits: one of microseconds begins anew after 71.6 minutes.
+/// Stamps that may begin anew: a counter of 32 bits, one of microseconds after 71.6 minutes, or times of day at midnight.
 #[derive(Debug, Default)]
 struct Counter {
     last: Option<Stamp>,
     wraps: usize,
+    midnights: i64,
 }
 
 impl Counter {
     /// The counter's steps within which it must have been before its end, and be behind its begin.
     const NEAR: i64 = 1 << 24;
+    /// A day, and how near to its ends a time of day before and behind midnight is \[ns\].
+    const DAY: i64 = 86_400_000_000_000;
+    const NEAR_MIDNIGHT: i64 = 3_600_000_000_000;
+
+    /// The time of day `t` behind all midnights so far; a date, which is of another size, as it is.
+    fn of_day(&mut self, t: Stamp) -> Stamp {
+        let is_over = |last: Stamp| {
+            (0..Self::NEAR_MIDNIGHT).contains(&t.ns())
+                && (Self::DAY - Self::NEAR_MIDNIGHT..Self::DAY).contains(&last.ns())
+        };
+        self.midnights += i64::from(self.last.replace(t).is_some_and(is_over));
+        Stamp::from_ns(t.ns().saturating_add(self.midnights * Self::DAY))
+    }
 
     /// `t` behind all wraps so far.
     fn unwrapped(&mut self, t: Stamp, unit: TimeUnit) -> Stamp {
@@ -454,5 +479,46 @@ mod tests {
         assert_eq!(recording, strict.recording);
         assert_eq!(recording.samples()[119_999].t, Stamp::from_ns(119_999 * 5_000_000));
         assert_eq!(loose.sieved, Sieved::default());
+    }
+
+    #[test]
+    fn times_of_day_go_on_over_midnight() {
+        let row = |i: usize| {
+            let s = (86_370 + i / 10) % 86_400;
+            format!("{:02}:{:02}:{:02}.{}00,0.01,0,0,0,0,9.81\n", s / 3600, s / 60 % 60, s % 60, i % 10)
+        };
+        let rows: String = (0..600).map(row).collect();
+        let log = read(&format!("time,gx,gy,gz,ax,ay,az\n{rows}")).unwrap();
+        let samples = log.recording.piece(0..600).unwrap().into_owned();
+        assert!(samples.windows(2).all(|pair| pair[1].t.ns() - pair[0].t.ns() == 100_000_000));
+        assert!(log.others.is_empty() && log.sieved.count() == 0);
+    }
+
+    #[test]
+    fn rows_that_share_one_stamp_are_not_too_few_but_to_be_counted() {
+        let rows = "1.700000e9,0.01,0,0,0,0,9.81\n".repeat(50);
+        for time in ["time [s]", "time"] {
+            let error = read(&format!("{time},gx,gy,gz,ax,ay,az\n{rows}")).unwrap_err();
+            assert_eq!(error.to_string(), "log.csv: 50 samples have one stamp");
+            assert!(error.hint().unwrap().contains("--rate HZ"));
+        }
+        let rows = rows.replace("9.81", "nan");
+        let error = read(&format!("time [s],gx,gy,gz,ax,ay,az\n{rows}")).unwrap_err().to_string();
+        assert!(
+            error.starts_with("log.csv: 50 samples have NaN") && error.ends_with("and 0 is left"),
+            "{error}"
+        );
+        // Every row twice: its steps tell the unit as before.
+        let twice = lines().iter().map(|line| format!("{line}\n{line}\n")).collect::<String>();
+        let log = read(&format!("time,gx,gy,gz,ax,ay,az\n{twice}")).unwrap();
+        assert_eq!((log.recording.len(), log.sieved.repeated.count), (30, 30));
+    }
+
+    #[test]
+    fn a_name_before_a_number_is_told_from_a_date() {
+        let row = |i: usize| format!("{},gx:{},0,0,0,0,9.81\n", i * 10, 0.1);
+        let rows: String = (0..50).map(row).collect();
+        let error = read(&format!("time [ms],gx,gy,gz,ax,ay,az\n{rows}")).unwrap_err();
+        assert!(error.hint().unwrap().starts_with("a name before each number"), "{:?}", error.hint());
     }
 }

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 /// What to do about a clock that goes back.
-pub(crate) const BACK: &str = "sort the rows by time, or cut the log where its clock was set";
+const BACK: &str = "sort the rows by time, or cut the log where its clock was set";
 
 /// What is wrong with a row or a header; texts are as the file has them, shortened.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -121,6 +121,9 @@ impl RowFault {
                 "trajectories are held against each other by `dpn ape`, against a log by `dpn noise LOG --against FILE`; if it is a log, say --columns T,GX,GY,GZ,AX,AY,AZ"
             }
             Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
+            Self::BadNumber { column, text } if column != "time" && text.contains([':', '=']) => {
+                "a name before each number is not read: write the rows without, below a header"
+            }
             Self::BadNumber { text, .. } | Self::BadStamp { text, .. } if text.contains(':') => {
                 "dates are read year first (2023-10-29T02:59:40.25+01:00), times of day as 02:59:40.25: write them so or in seconds, ms, us or ns, or count the samples (--rate HZ)"
             }

@@ -81,6 +81,8 @@ pub struct Understood {
     pub accel: Settled<AccelUnit>,
     /// Columns that could have been meant too, each with what was taken instead.
     pub passed: Vec<String>,
+    /// The stamps are dates or times of day.
+    pub(super) are_dates: bool,
     /// Seconds in one of the intervals' unit.
     interval_s: f64,
     /// The rate at which stamps are counted.
@@ -149,6 +151,7 @@ impl Understood {
             gyro: gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed }),
             accel: accel.unwrap_or(Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed }),
             passed,
+            are_dates,
             interval_s,
             counted,
         })
@@ -387,8 +390,9 @@ struct FirstRows {
 }
 
 impl FirstRows {
+    /// The usual step; rows that stand there twice have none.
     fn step(&self) -> Option<f64> {
-        upper_median(self.stamps.windows(2).map(|w| w[1] - w[0]))
+        upper_median(self.stamps.windows(2).map(|w| w[1] - w[0]).filter(|step| *step != 0.0))
     }
 
     /// Whether the stamps are 0, 1, 2, ..., or begin at 1.
@@ -446,7 +450,12 @@ fn guess_interval(first: &FirstRows, step_s: f64) -> f64 {
 /// Tells the unit of time from the first stamps.
 fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Result<TimeUnit, IoError> {
     let (Some(step), Some(&start)) = (first.step(), first.stamps.first()) else {
-        return Err(IoError::TooShort { path: path.to_path_buf(), found: first.stamps.len() });
+        let (path, found) = (path.to_path_buf(), first.stamps.len());
+        return Err(if found > 1 {
+            IoError::OneStamp { path, found }
+        } else {
+            IoError::TooShort { path, found }
+        });
     };
     if said.fine {
         // Xsens' MTi count in 100 us, their Dots in 1 us; the former give 10 Hz or more, the latter 120 Hz or less.
