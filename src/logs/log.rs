@@ -117,7 +117,8 @@ impl Log {
             (absurd, "sample(s) with values beyond 1e12 or below 1e-150, which no sensor measures"),
         ] {
             if left.count > 0 {
-                all.push(format!("left out: {} {words}{}", left.count, place(left)));
+                let coarse = self.coarse_words().filter(|_| std::ptr::eq(left, repeated)).unwrap_or_default();
+                all.push(format!("left out: {} {words}{}{coarse}", left.count, place(left)));
             }
         }
         all.extend(self.alone.map(|sensor| {
@@ -127,6 +128,20 @@ impl Log {
         all.extend(self.clocks.iter().cloned());
         all.extend(self.remarks.iter().cloned());
         all
+    }
+
+    /// What follows where so many samples have the stamp of the one before that the stamps are coarser than the samples.
+    pub fn coarse_words(&self) -> Option<String> {
+        /// Share of the samples from which densities are off by a tenth.
+        const MANY: f64 = 0.2;
+        let (left, kept) = (self.sieved.repeated.count as f64, self.recording.len() as f64);
+        let (hz, counted) = (self.recording.rate().hz(), (kept + left) / self.recording.length_s());
+        (self.others.is_empty() && left > MANY * kept).then(|| {
+            format!(
+                "; unless these are copies, samples come at {counted:.1} Hz, not {hz:.1}, and densities are {:.2} times too large: --rate {counted:.1} counts them",
+                (counted / hz).sqrt()
+            )
+        })
     }
 
     /// What the log is made of, where its stamps begin anew or two write at once.

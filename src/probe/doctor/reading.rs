@@ -43,9 +43,12 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
         ));
     }
     let all = log.recording.len() + log.sieved.count();
+    let coarse = log.coarse_words().unwrap_or_default();
     let mut left = |about: &'static str, left: &LeftOut, words: &str, remedy: &'static str| {
         let Some(first) = left.first else { return };
-        let text = format!("left out: {} sample(s) {words}, first at {} {first}", left.count, log.place);
+        let coarse = if std::ptr::eq(left, &raw const log.sieved.repeated) { &coarse } else { "" };
+        let text =
+            format!("left out: {} sample(s) {words}, first at {} {first}{coarse}", left.count, log.place);
         findings.push(Finding::bad_where(left.count as f64 > MANY * all as f64, about, text, remedy));
     };
     let sieved = &log.sieved;
@@ -129,5 +132,17 @@ mod tests {
         assert_eq!((of("stamps").weight, of("values").weight), (Weight::Warning, Weight::Bad));
         assert_eq!(of("stamps").text, "left out: 1 sample(s) whose stamp goes back, first at message 7");
         assert_eq!(found[0].weight, Weight::Bad);
+    }
+
+    #[test]
+    fn stamps_coarser_than_the_samples_are_named_with_their_remedy() {
+        let mut log = Log::sound(Kind::Csv, ImuRecording::new(level(10)).unwrap());
+        log.sieved.repeated = LeftOut { count: 100, first: Some(3) };
+        assert!(!findings(&log)[0].text.contains("--rate"));
+        // As many again: 200 Hz are left of 400.
+        log.sieved.repeated.count = 2000;
+        let words = "unless these are copies, samples come at 400.1 Hz, not 200.0, and densities are 1.41 times too large: --rate 400.1 counts them";
+        assert!(findings(&log)[0].text.ends_with(words), "{:?}", findings(&log));
+        assert!(log.warnings()[0].ends_with(words));
     }
 }

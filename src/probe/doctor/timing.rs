@@ -31,22 +31,10 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f6
     ));
     findings.extend(clock::unlikely(recording.rate()));
     let each_step = |take: &mut dyn FnMut(f64)| recording.pairs(&mut |a, b| take(b.t.seconds_since(a.t)));
-    let asked = [0.01, 0.99, 0.97].map(Level::Quantile);
+    let asked = [0.01, 0.99].map(Level::Quantile);
     let found = levels(&[Column { count, levels: &asked }], |take| each_step(&mut |step| take(0, step)))?;
     let [low, high] = [found[0][0], found[0][1]].map(|step| step / period - 1.0);
-    // A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
-    // Holes are no pauses behind bursts: without them, one of a minute would make every other step a short one.
-    let longest = PAUSE * found[0][2];
-    let (mut sum, mut even) = (0.0, 0.0);
-    each_step(&mut |step| {
-        if step <= longest {
-            (sum, even) = (sum + step, even + 1.0);
-        }
-    })?;
-    // The second pass recovers the digits the first lost, as in `stats::mean`.
-    let (rough, mut off) = (sum / even, 0.0);
-    each_step(&mut |step| off += if step <= longest { step - rough } else { 0.0 })?;
-    let usual = rough + off / even;
+    let Steps { longest, usual } = Steps::of(recording)?;
     let (by_step, by_count) = (recording.rate().hz(), usual.recip());
     let mut bursts = 0;
     each_step(&mut |step| bursts += usize::from(step <= longest && step < 0.2 * usual))?;
@@ -90,6 +78,51 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f6
         ));
     }
     Ok((findings, holes.lost))
+}
+
+/// Steps that are no holes. A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
+struct Steps {
+    /// Longer ones are holes \[s\].
+    longest: f64,
+    /// Mean of the others \[s\].
+    usual: f64,
+}
+
+impl Steps {
+    fn of(recording: &dyn Recorded) -> io::Result<Self> {
+        let each_step = |take: &mut dyn FnMut(f64)| recording.pairs(&mut |a, b| take(b.t.seconds_since(a.t)));
+        let column = Column { count: recording.len() - 1, levels: &[Level::Quantile(0.97)] };
+        let found = levels(&[column], |take| each_step(&mut |step| take(0, step)))?;
+        // Holes are no pauses behind bursts: without them, one of a minute would make every other step a short one.
+        let longest = PAUSE * found[0][0];
+        let (mut sum, mut even) = (0.0, 0.0);
+        each_step(&mut |step| {
+            if step <= longest {
+                (sum, even) = (sum + step, even + 1.0);
+            }
+        })?;
+        // The second pass recovers the digits the first lost, as in `stats::mean`.
+        let (rough, mut off) = (sum / even, 0.0);
+        each_step(&mut |step| off += if step <= longest { step - rough } else { 0.0 })?;
+        Ok(Self { longest, usual: rough + off / even })
+    }
+}
+
+/// That the median step is much shorter than the mean one, so that what is counted per sample is at most one of two rates'.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(crate) fn batched(recording: &dyn Recorded) -> io::Result<Option<String>> {
+    /// Rates from which densities are a tenth apart.
+    const APART: f64 = 1.25;
+    let (by_step, by_count) = (recording.rate().hz(), Steps::of(recording)?.usual.recip());
+    Ok((by_step > APART * by_count).then(|| {
+        format!(
+            "NOT KNOWN: the rate is {by_step:.1} Hz by the median step and {by_count:.1} Hz by the number of samples: unless the others were lost, samples came in batches, \
+             and densities are up to {:.2} times too small: --rate {by_count:.1} counts them",
+            (by_step / by_count).sqrt()
+        )
+    }))
 }
 
 /// Steps that are longer than they should be.
@@ -339,5 +372,17 @@ mod tests {
             .strip_prefix("1 hole(s), about ")
             .and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
         assert!((lost.unwrap() - 40.0).abs() < 5.0, "{found:?}");
+    }
+
+    #[test]
+    fn samples_stamped_a_millisecond_apart_as_they_came_in_batches_have_two_rates() {
+        let mut samples = level(30);
+        assert_eq!(batched(&ImuRecording::new(samples.clone()).unwrap()).unwrap(), None);
+        for (i, s) in samples.iter_mut().enumerate() {
+            s.t = Stamp::from_ns((i as i64 / 16) * 80_000_000 + (i as i64 % 16) * 1_000_000);
+        }
+        let words = batched(&ImuRecording::new(samples).unwrap()).unwrap().unwrap();
+        assert!(words.contains("1000.0 Hz by the median step and 200."), "{words}");
+        assert!(words.contains("2.2"), "{words}");
     }
 }

@@ -3,6 +3,7 @@
 use super::compare::{Check, compare};
 use super::track::track_watched;
 use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report};
+use crate::doctor::timing::batched;
 use crate::phases::phases;
 use crate::rates;
 use crate::rest_noise::RestNoise;
@@ -69,6 +70,7 @@ impl Along {
         warnings.extend(rates::finding(&parts).map(|found| {
             format!("{}; {}", found.text, found.remedy.expect("a bad finding says what to do"))
         }));
+        warnings.extend(batched(recording)?);
         // What was given is no estimate.
         if plan.noise.spec().is_estimate() {
             let in_motion = |effective| report::in_motion(plan, &summary, effective, recording.rate());
