@@ -188,6 +188,20 @@ mod tests {
     }
 
     #[test]
+    fn steps_so_coarse_that_one_axis_alone_leaves_them_now_and_then_are_not_held_values() {
+        // Degrees a second in whole numbers, as flight controllers write them.
+        let step = std::f64::consts::PI / 180.0;
+        let mut samples = log(40, 1).samples().to_vec();
+        for s in &mut samples {
+            s.gyro = [s.gyro[0] + 0.006, s.gyro[1] - 0.005, s.gyro[2]].map(|v| (v / step).round() * step);
+        }
+        let same = samples.windows(2).filter(|w| w[0].gyro == w[1].gyro).count();
+        assert!(same > samples.len() / 2, "{same}");
+        let coarse = found(&ImuRecording::new(samples).unwrap());
+        assert!(coarse.sensors[1].held.is_none(), "{:?}", coarse.sensors[1].held);
+    }
+
+    #[test]
     fn knocks_at_a_rest_are_none_of_its_noise() {
         let mut samples = log(40, 1).samples().to_vec();
         for (at, by) in [(2000, 2.0), (2004, -1.5), (6500, 1.0), (6503, -1.0)] {

@@ -257,9 +257,15 @@ fn held(recording: &dyn Recorded, range: &Range<usize>, sensor: Sensor) -> io::R
     })?;
     let repeated = fresh.iter().filter(|f| !**f).count() as f64;
     // A dead axis repeats always, and tells nothing.
-    let least = same.into_iter().filter(|count| *count + 1 < range.len()).min().unwrap_or(0) as f64;
+    let alive: Vec<f64> =
+        same.into_iter().filter(|count| *count + 1 < range.len()).map(|count| count as f64).collect();
+    let least = alive.iter().copied().reduce(f64::min).unwrap_or(0.0);
+    // Axes that hardly leave a coarse step repeat by themselves, each on its own, and now and then all: as often as chance has it.
+    let all = range.len() as f64;
+    let by_chance = all * alive.iter().map(|count| count / all).product::<f64>();
+    let is_together = alive.len() < 2 || repeated > f64::midpoint(by_chance, least);
     // Nor does a dead sensor.
     let is_alive = fresh.iter().filter(|f| **f).count() > 1;
-    let is_held = is_alive && repeated > HELD * range.len() as f64 && repeated > TOGETHER * least;
+    let is_held = is_alive && is_together && repeated > HELD * all && repeated > TOGETHER * least;
     Ok(is_held.then_some(fresh))
 }
