@@ -141,7 +141,7 @@ mod tests {
         assert!(!findings(&log)[0].text.contains("--rate"));
         // As many again: 200 Hz are left of 400.
         log.sieved.repeated.count = 2000;
-        let words = "unless these are copies, samples come at 400.1 Hz, not 200.0, and densities are 1.41 times too large: --rate 400.1 counts them";
+        let words = "unless these are copies, samples come at 400.2 Hz, not 200.0, and densities are 1.41 times too large: --rate 400.2 counts them";
         assert!(findings(&log)[0].text.ends_with(words), "{:?}", findings(&log));
         assert!(log.warnings()[0].ends_with(words));
     }
