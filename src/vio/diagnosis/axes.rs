@@ -33,6 +33,8 @@ const FOCAL_TOLERANCE: f64 = 0.12;
 const SCALE_TOLERANCE: f64 = 0.06;
 /// A mounting is told where it is off by more \[rad\].
 const MOUNTING_TOLERANCE: f64 = 0.08;
+/// And where it is known to this \[rad\]: a robot on wheels turns about one axis, and about it any mounting fits.
+const MOUNTING_KNOWN: f64 = 0.1;
 /// Stamps of good recordings are off by less \[s\].
 const JITTER_S: f64 = 0.002;
 /// All that by so many deviations more.
@@ -238,7 +240,8 @@ fn in_detail(map: &TurnMap, body_from_cam: &UnitQuaternion<f64>) -> AxesVerdict 
     if off(roll, SCALE_TOLERANCE, roll_std / roll) {
         return AxesVerdict::Scaled { factor: 1.0 / roll };
     }
-    if map.away.norm() > MOUNTING_TOLERANCE + SURE * map.away_std.max() {
+    let known = map.away_std.max();
+    if known < MOUNTING_KNOWN && map.away.norm() > MOUNTING_TOLERANCE + SURE * known {
         let axis = (body_from_cam * map.away).normalize();
         return AxesVerdict::Turned { degrees: map.away.norm().to_degrees(), axis_in_body: axis.into() };
     }
@@ -346,6 +349,24 @@ mod tests {
         for wrong in [57.3, 1.0 / 57.3] {
             let AxesVerdict::Scaled { factor } = told(wrong) else { panic!("{wrong}") };
             assert!((0.8..1.25).contains(&(factor / wrong)), "{factor}");
+        }
+    }
+
+    /// A camera low above the ground sees parallax as pitch and roll, and the gyroscope has next to none.
+    #[test]
+    fn a_robot_on_wheels_is_told_no_other_mounting() {
+        let mut rng = dpn_core::random::Stream::new(5).named("wheels").rng();
+        let mut about = |size: f64| size * Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5);
+        for seed in 0..40 {
+            let turns: Vec<Turn> = (0..300)
+                .map(|k| {
+                    let upright = Vector3::new(0.0, 0.0, 0.4 * (0.05 * f64::from(k + seed)).sin());
+                    let (body, cam) = (upright + about(0.06), upright + about(0.4));
+                    Turn { body, cam, information: Matrix3::identity(), seconds: 0.1, follows: true }
+                })
+                .collect();
+            let found = compared(&turns, &UnitQuaternion::identity());
+            assert_eq!(found.verdict, AxesVerdict::Consistent, "{seed}: {found:?}");
         }
     }
 
