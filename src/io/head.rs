@@ -87,6 +87,10 @@ fn below_talk<'a>(
         shape.as_ref().is_some_and(|shape| shape.len() == width && !shape.contains(&true))
     };
     let header = first - shapes[..first].iter().rev().take_while(|shape| is_header(shape)).count();
+    // Rows above that are alike are no talk: the table is damaged, and the plain way says where.
+    if shapes[..header].contains(&shapes[first]) {
+        return None;
+    }
     let above = lines[..header].iter().rev().find(|line| is_row(line))?;
     if header == first {
         return Some(Rows::open(above.rest, path).map(|rows| rows.further(above.number)));
