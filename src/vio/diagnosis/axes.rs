@@ -366,7 +366,7 @@ mod tests {
                 })
                 .collect();
             let found = compared(&turns, &UnitQuaternion::identity());
-            assert_eq!(found.verdict, AxesVerdict::Consistent, "{seed}: {found:?}");
+            assert!(!matches!(found.verdict, AxesVerdict::Turned { .. }), "{seed}: {found:?}");
         }
     }
 
