@@ -351,6 +351,19 @@ fn what_was_learned_is_in_the_report_the_states_the_noise_and_the_picture() {
     assert!(drawn.contains("estimated, times what is given") && drawn.contains("pixels"));
 }
 
+/// From levels of a start's residuals, which hold what followed points are off too, a window may not come back.
+#[test]
+fn levels_begin_at_what_was_given_where_points_are_followed() {
+    let Some(handheld) = dpn_testing::pack("handheld") else { return };
+    let tmp = tempfile::tempdir().unwrap();
+    let out = tmp.path().join("out");
+    odometry(&handheld.join("bedroom"), &out, &["--to", "4", "--noise", "self"]).well();
+    let noise = dpn_io::read_noise_track(&out.join("noise_learned.csv")).unwrap();
+    let accel: Vec<f64> = noise.noises().iter().map(|n| n.of(dpn_core::Sensor::Accel)[0]).collect();
+    let first = accel.iter().find(|first| **first != accel[0]).expect("they are learned") / accel[0];
+    assert!((0.5..2.0).contains(&first), "{first}");
+}
+
 #[test]
 fn noise_that_no_imu_has_is_refused_and_no_panic() {
     let tmp = tempfile::tempdir().unwrap();

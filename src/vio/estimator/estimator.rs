@@ -390,7 +390,9 @@ impl Estimator {
             match self.starter.push(&self.config, t, interval, seen) {
                 Err(reason) => update.phase = Phase::Initialising(reason),
                 Ok((frames, fit)) => {
-                    if let Some(learner) = &mut self.learner {
+                    // Of points followed through images the residuals have lasting errors too, and a window that takes them for the accelerometer's noise may make the
+                    // path several times too small and stay there.
+                    if let Some(learner) = self.learner.as_mut().filter(|_| !self.window.followed) {
                         learner.begin_at(fit.accel_factor, fit.gyro_factor);
                     }
                     let frames = self.go_on_from_last(frames);

@@ -21,8 +21,8 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 /// Pairs of frames that are tried before giving up.
 const PAIRS_TRIED: usize = 4;
-/// Points that a frame must see to get a position.
-const MIN_POINTS: usize = 8;
+/// Points that a frame must see to get a position: it has three unknowns, and bare walls have few.
+const MIN_POINTS: usize = 6;
 /// Misfit, in deviations, up to which a triangulated point is used.
 const MAX_MISFIT: f64 = 3.0;
 /// Parallax, in deviations, from which a point is used.
