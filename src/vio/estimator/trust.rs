@@ -22,7 +22,7 @@ const MOST_LEVEL: f64 = 20.0;
 const MOST_VERTICAL_BIAS: f64 = 0.5;
 /// Poses for longer on a clock that is found to be wrong then are told \[s\].
 const LONGEST_ON_WRONG_CLOCK_S: f64 = 1.0;
-/// Fewest poses that are judged.
+/// Fewest poses whose means are judged.
 const FEWEST_POSES: usize = 30;
 
 /// A reason not to believe a run.
@@ -106,17 +106,18 @@ impl Doubt {
 
 /// What speaks against a run; `levels` are those learned last.
 pub fn doubts(report: &RunReport, levels: Option<&Levels>) -> Vec<Doubt> {
+    // Whoever finds the clock, or passes a gap, has begun anew for a reason that is no contradiction.
+    let times = report.restarts.iter().filter(|(_, reason)| reason.is_contradiction()).count();
+    let restarted = (times > 0).then_some(Doubt::Restarted { times });
     if report.poses < FEWEST_POSES {
-        return Vec::new();
+        return restarted.into_iter().collect();
     }
     let mut found = Vec::new();
     let mean_square = report.whitened_mean().filter(|mean_square| *mean_square > MOST_WHITENED);
     found.extend(mean_square.map(|mean_square| Doubt::Whitened { mean_square }));
     let a_pose = report.outliers as f64 / report.poses as f64;
     found.extend((a_pose > MOST_OUTLIERS).then_some(Doubt::Outliers { a_pose }));
-    // Whoever finds the clock, or passes a gap, has begun anew for a reason that is no contradiction.
-    let times = report.restarts.iter().filter(|(_, reason)| reason.is_contradiction()).count();
-    found.extend((times > 0).then_some(Doubt::Restarted { times }));
+    found.extend(restarted);
     let on_wrong_clock = report.restarts.iter().find_map(|(t, reason)| {
         let RestartReason::CameraClock { seconds: off_s } = *reason else { return None };
         let seconds = t.seconds_since(report.initialised?);
@@ -203,6 +204,9 @@ mod tests {
                 && said.contains("the camera 0.20 m elsewhere on the body, by (0.00, 0.12, -0.16) m"),
             "{said}"
         );
+        // Few poses have no means, and were given up all the same.
+        let few = RunReport { poses: 20, ..bad };
+        assert_eq!(doubts(&few, None), [Doubt::Restarted { times: 1 }]);
         let unnamed = &found[..1];
         assert!(doubts_warning(unnamed, true).unwrap().ends_with("another warning names a cause"));
         assert!(doubts_warning(unnamed, false).unwrap().contains("`dpn check`"));
