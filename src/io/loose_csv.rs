@@ -119,7 +119,9 @@ fn parse(
             unreadable.first.as_ref().is_some_and(at)
         };
     let log = finish(path, understood, sieve, unreadable, only)?;
-    Ok(LooseImuLog { wraps: counter.wraps, said_hz, ..log })
+    // A midnight is none of a counter.
+    let wraps = if log.understood.are_dates { 0 } else { counter.wraps };
+    Ok(LooseImuLog { wraps, said_hz, ..log })
 }
 
 fn finish(
@@ -215,17 +217,14 @@ fn take(
     sieve: &mut Sieve,
     unreadable: &mut Unreadable,
 ) -> Result<(), IoError> {
-    let time = understood.time.value;
+    let round = Round::of(understood);
     loop {
         let row = understood.next(rows);
         let line = rows.line() as u64;
         match row {
             Ok(None) => return Ok(()),
             Ok(Some(sample)) => {
-                let t = match understood.are_dates {
-                    true => counter.of_day(sample.t),
-                    false => counter.unwrapped(sample.t, time),
-                };
+                let t = round.map_or(sample.t, |round| counter.unwrapped(sample.t, round));
                 sieve.push(ImuSample { t, ..sample }, line);
             }
             Err(IoError::Row { fault: RowFault::NotFinite { .. }, .. }) => sieve.not_finite(line),
@@ -249,35 +248,31 @@ fn take(
 struct Counter {
     last: Option<Stamp>,
     wraps: usize,
-    midnights: i64,
+}
+
+/// After what stamps begin anew, and how near to the ends of it they must be before and behind \[ns\].
+#[derive(Debug, Clone, Copy)]
+struct Round {
+    round_ns: i64,
+    near_ns: i64,
+}
+
+impl Round {
+    /// None of days: nobody counts them in 32 bits. Dates are of another size than times of day and stay as they are.
+    fn of(understood: &Understood) -> Option<Self> {
+        const HOUR_NS: i64 = 3_600_000_000_000;
+        let step_ns = match understood.time.value {
+            _ if understood.are_dates => return Some(Self { round_ns: 24 * HOUR_NS, near_ns: HOUR_NS }),
+            TimeUnit::Days => return None,
+            unit => (unit.seconds() * 1e9) as i64,
+        };
+        Some(Self { round_ns: step_ns << 32, near_ns: step_ns << 24 })
+    }
 }
 
 impl Counter {
-    /// The counter's steps within which it must have been before its end, and be behind its begin.
-    const NEAR: i64 = 1 << 24;
-    /// A day, and how near to its ends a time of day before and behind midnight is \[ns\].
-    const DAY: i64 = 86_400_000_000_000;
-    const NEAR_MIDNIGHT: i64 = 3_600_000_000_000;
-
-    /// The time of day `t` behind all midnights so far; a date, which is of another size, as it is.
-    fn of_day(&mut self, t: Stamp) -> Stamp {
-        let is_over = |last: Stamp| {
-            (0..Self::NEAR_MIDNIGHT).contains(&t.ns())
-                && (Self::DAY - Self::NEAR_MIDNIGHT..Self::DAY).contains(&last.ns())
-        };
-        self.midnights += i64::from(self.last.replace(t).is_some_and(is_over));
-        Stamp::from_ns(t.ns().saturating_add(self.midnights * Self::DAY))
-    }
-
     /// `t` behind all wraps so far.
-    fn unwrapped(&mut self, t: Stamp, unit: TimeUnit) -> Stamp {
-        // Nobody counts days in 32 bits.
-        if unit == TimeUnit::Days {
-            return t;
-        }
-        let step_ns = (unit.seconds() * 1e9) as i64;
-        let round_ns = step_ns << 32;
-        let near_ns = step_ns * Self::NEAR;
+    fn unwrapped(&mut self, t: Stamp, Round { round_ns, near_ns }: Round) -> Stamp {
         let is_wrap = |last: Stamp| {
             (0..near_ns).contains(&t.ns()) && (round_ns - near_ns..round_ns).contains(&last.ns())
         };

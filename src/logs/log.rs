@@ -110,15 +110,14 @@ impl Log {
             left.first.map_or_else(String::new, |first| format!(", first at {} {first}", self.place))
         };
         let Sieved { repeated, backward, not_finite, absurd } = &self.sieved;
-        for (left, words) in [
-            (repeated, "sample(s) with the stamp of the one before"),
-            (backward, "sample(s) whose stamp goes back"),
-            (not_finite, "sample(s) with NaN or infinite values"),
-            (absurd, "sample(s) with values beyond 1e12 or below 1e-150, which no sensor measures"),
+        for (left, words, then) in [
+            (repeated, "sample(s) with the stamp of the one before", &self.coarse_words()[..]),
+            (backward, "sample(s) whose stamp goes back", ""),
+            (not_finite, "sample(s) with NaN or infinite values", ""),
+            (absurd, "sample(s) with values beyond 1e12 or below 1e-150, which no sensor measures", ""),
         ] {
             if left.count > 0 {
-                let coarse = self.coarse_words().filter(|_| std::ptr::eq(left, repeated)).unwrap_or_default();
-                all.push(format!("left out: {} {words}{}{coarse}", left.count, place(left)));
+                all.push(format!("left out: {} {words}{}{then}", left.count, place(left)));
             }
         }
         all.extend(self.alone.map(|sensor| {
@@ -130,18 +129,19 @@ impl Log {
         all
     }
 
-    /// What follows where so many samples have the stamp of the one before that the stamps are coarser than the samples.
-    pub fn coarse_words(&self) -> Option<String> {
+    /// What is to be said behind the number of samples with the stamp of the one before: where they are many, that stamps are coarser than the samples.
+    pub fn coarse_words(&self) -> String {
         /// Share of the samples from which densities are off by a tenth.
         const MANY: f64 = 0.2;
         let (left, kept) = (self.sieved.repeated.count as f64, self.recording.len() as f64);
         let (hz, counted) = (self.recording.rate().hz(), (kept + left) / self.recording.length_s());
-        (self.others.is_empty() && left > MANY * kept).then(|| {
-            format!(
-                "; unless these are copies, samples come at {counted:.1} Hz, not {hz:.1}, and densities are {:.2} times too large: --rate {counted:.1} counts them",
-                (counted / hz).sqrt()
-            )
-        })
+        if !self.others.is_empty() || left <= MANY * kept {
+            return String::new();
+        }
+        format!(
+            "; unless these are copies, samples come at {counted:.1} Hz, not {hz:.1}, and densities are {:.2} times too large: --rate {counted:.1} counts them",
+            (counted / hz).sqrt()
+        )
     }
 
     /// What the log is made of, where its stamps begin anew or two write at once.

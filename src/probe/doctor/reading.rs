@@ -43,37 +43,35 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
         ));
     }
     let all = log.recording.len() + log.sieved.count();
-    let coarse = log.coarse_words().unwrap_or_default();
-    let mut left = |about: &'static str, left: &LeftOut, words: &str, remedy: &'static str| {
+    let mut left = |about: &'static str, left: &LeftOut, [words, then]: [&str; 2], remedy: &'static str| {
         let Some(first) = left.first else { return };
-        let coarse = if std::ptr::eq(left, &raw const log.sieved.repeated) { &coarse } else { "" };
         let text =
-            format!("left out: {} sample(s) {words}, first at {} {first}{coarse}", left.count, log.place);
+            format!("left out: {} sample(s) {words}, first at {} {first}{then}", left.count, log.place);
         findings.push(Finding::bad_where(left.count as f64 > MANY * all as f64, about, text, remedy));
     };
     let sieved = &log.sieved;
     left(
         "stamps",
         &sieved.repeated,
-        "with the stamp of the one before",
+        ["with the stamp of the one before", &log.coarse_words()],
         "write stamps with more digits, count them (--rate), or look for a message that is published twice",
     );
     left(
         "stamps",
         &sieved.backward,
-        "whose stamp goes back",
+        ["whose stamp goes back", ""],
         "look for a clock that was set, or for two writers",
     );
     left(
         "values",
         &sieved.not_finite,
-        "with NaN or infinite values",
+        ["with NaN or infinite values", ""],
         "look at the driver: a failed read should be no sample",
     );
     left(
         "values",
         &sieved.absurd,
-        "with values beyond 1e12 or below 1e-150, which no sensor measures",
+        ["with values beyond 1e12 or below 1e-150, which no sensor measures", ""],
         "look at the driver: a failed read should be no sample",
     );
     findings.extend(

@@ -31,10 +31,8 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f6
     ));
     findings.extend(clock::unlikely(recording.rate()));
     let each_step = |take: &mut dyn FnMut(f64)| recording.pairs(&mut |a, b| take(b.t.seconds_since(a.t)));
-    let asked = [0.01, 0.99].map(Level::Quantile);
-    let found = levels(&[Column { count, levels: &asked }], |take| each_step(&mut |step| take(0, step)))?;
-    let [low, high] = [found[0][0], found[0][1]].map(|step| step / period - 1.0);
-    let Steps { longest, usual } = Steps::of(recording)?;
+    let Steps { ends, longest, usual } = Steps::of(recording)?;
+    let [low, high] = ends.map(|step| step / period - 1.0);
     let (by_step, by_count) = (recording.rate().hz(), usual.recip());
     let mut bursts = 0;
     each_step(&mut |step| bursts += usize::from(step <= longest && step < 0.2 * usual))?;
@@ -80,8 +78,10 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f6
     Ok((findings, holes.lost))
 }
 
-/// Steps that are no holes. A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
+/// Steps from sample to sample. A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
 struct Steps {
+    /// Where the shortest and the longest hundredth end \[s\].
+    ends: [f64; 2],
     /// Longer ones are holes \[s\].
     longest: f64,
     /// Mean of the others \[s\].
@@ -91,10 +91,11 @@ struct Steps {
 impl Steps {
     fn of(recording: &dyn Recorded) -> io::Result<Self> {
         let each_step = |take: &mut dyn FnMut(f64)| recording.pairs(&mut |a, b| take(b.t.seconds_since(a.t)));
-        let column = Column { count: recording.len() - 1, levels: &[Level::Quantile(0.97)] };
+        let asked = [0.01, 0.99, 0.97].map(Level::Quantile);
+        let column = Column { count: recording.len() - 1, levels: &asked };
         let found = levels(&[column], |take| each_step(&mut |step| take(0, step)))?;
         // Holes are no pauses behind bursts: without them, one of a minute would make every other step a short one.
-        let longest = PAUSE * found[0][0];
+        let longest = PAUSE * found[0][2];
         let (mut sum, mut even) = (0.0, 0.0);
         each_step(&mut |step| {
             if step <= longest {
@@ -104,7 +105,7 @@ impl Steps {
         // The second pass recovers the digits the first lost, as in `stats::mean`.
         let (rough, mut off) = (sum / even, 0.0);
         each_step(&mut |step| off += if step <= longest { step - rough } else { 0.0 })?;
-        Ok(Self { longest, usual: rough + off / even })
+        Ok(Self { ends: [found[0][0], found[0][1]], longest, usual: rough + off / even })
     }
 }
 

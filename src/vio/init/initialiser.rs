@@ -82,15 +82,17 @@ impl Initialiser {
         if !self.frames.is_multiple_of(TRY_EVERY) {
             return InitOutcome::Wait(self.last);
         }
-        let mut found = self.attempt(&self.buffer.choose(&self.config), resting);
-        let mut latest = self.buffer.latest_half();
-        // Fast motion breaks tracks: half of the span holds more that all frames see, and half of that.
-        while let Err(reason @ (WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. })) = found
-            && latest.span() >= SHORTEST_S
-        {
-            found = self.attempt(&latest.choose(&self.config), resting).map_err(|_| reason);
-            latest = latest.latest_half();
-        }
+        let tried = |held: &Buffer| self.attempt(&held.choose(&self.config), resting);
+        let found = tried(&self.buffer).or_else(|reason| match reason {
+            // Fast motion breaks tracks: half of the span holds more that all frames see, and half of that.
+            WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. } => {
+                std::iter::successors(Some(self.buffer.latest_half()), |held| Some(held.latest_half()))
+                    .take_while(|held| held.span() >= SHORTEST_S)
+                    .find_map(|held| tried(&held).ok())
+                    .ok_or(reason)
+            }
+            _ => Err(reason),
+        });
         match found {
             Ok(found) => {
                 self.reset();
