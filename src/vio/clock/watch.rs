@@ -4,7 +4,7 @@
 //! them as an offset is looked for. So it is the same whatever came first.
 
 use super::delay::{Delay, REACH_S, Turns};
-use super::flow_turn::FlowTurn;
+use super::flow_turn::{FlowTurn, SharedRays};
 use super::gyro_course::GyroCourse;
 use super::readout::{LinePair, Readout, ReadoutMeter};
 use crate::diagnosis::{Axes, Turn, compared};
@@ -14,6 +14,8 @@ use nalgebra::UnitQuaternion;
 use serde::Serialize;
 use std::collections::VecDeque;
 
+/// Where a clock that is not known may be \[s\]: by one of them or by none a turn is near enough to be found.
+const NEAR_OFFSETS_S: [f64; 4] = [-0.08, 0.08, -0.16, 0.16];
 /// Pairs of frames between two looks.
 const EVERY: usize = 4;
 /// Fewest pairs for an answer.
@@ -21,11 +23,11 @@ const FEWEST: usize = 8;
 /// Pairs that are looked at: ten seconds.
 const MOST: usize = 100;
 /// An answer is one where its deviation is below this \[s\], ...
-const TELLING_S: f64 = 0.008;
+const TELLING_S: f64 = 0.012;
 /// ... the gyroscope explains this much of the camera's turning with it, ...
-const EXPLAINED: f64 = 0.8;
+const EXPLAINED: f64 = 0.65;
 /// ... and no other place costs less than this share more.
-const ELSEWHERE: f64 = 0.6;
+const ELSEWHERE: f64 = 0.65;
 /// What moves by less is not followed \[s\].
 const FOLLOWED_S: f64 = 0.0005;
 /// What is known so well is not looked for over all the reach again \[s\].
@@ -69,7 +71,7 @@ pub struct ClockWatch {
     course: GyroCourse,
     before: Option<TrackFrame>,
     /// Pairs that samples have not passed by as far as is looked.
-    waiting: VecDeque<(FlowTurn, Option<LinePair>)>,
+    waiting: VecDeque<(SharedRays, Option<LinePair>)>,
     pairs: VecDeque<FlowTurn>,
     /// The last pair that samples have passed by.
     last: Option<FlowTurn>,
@@ -153,15 +155,16 @@ impl ClockWatch {
         if let Some(before) = &self.before {
             self.clock.offset_s += self.clock.drift * frame.t.seconds_since(before.t);
             let shared = frame.shared(before);
-            let flow = FlowTurn::of((before, frame), &shared, &self.camera);
+            let rays = SharedRays::of((before, frame), &shared, &self.camera);
             self.waiting
-                .extend(flow.map(|flow| (flow, LinePair::of((before, frame), &shared, &self.camera))));
+                .extend(rays.map(|rays| (rays, LinePair::of((before, frame), &shared, &self.camera))));
         }
         self.before = Some(frame.clone());
         let reached = self.on_imu_clock(frame.t).plus_seconds(-REACH_S);
-        while let Some((pair, lines)) = self.waiting.pop_front_if(|(pair, _)| pair.to <= reached) {
-            let (from, to) = (pair.from.plus_seconds(-REACH_S), pair.to.plus_seconds(REACH_S));
-            if self.course.turn(from, to).is_some() {
+        while let Some((rays, lines)) = self.waiting.pop_front_if(|(rays, _)| rays.to <= reached) {
+            let (from, to) = (rays.from.plus_seconds(-REACH_S), rays.to.plus_seconds(REACH_S));
+            let whole = self.course.turn(from, to).is_some();
+            if whole && let Some(pair) = self.turn_of(rays) {
                 if let Some(lines) = lines {
                     self.readout.add(pair, lines, &self.course, self.clock.offset_s, &self.cam_from_body);
                 }
@@ -183,14 +186,27 @@ impl ClockWatch {
         let oldest = self
             .pairs
             .front()
-            .or(self.waiting.front().map(|(pair, _)| pair))
-            .map_or(frame.t, |pair| pair.from);
+            .map(|pair| pair.from)
+            .or(self.waiting.front().map(|(rays, _)| rays.from))
+            .unwrap_or(frame.t);
         self.course.forget_before(oldest.plus_seconds(-REACH_S));
         if !self.clock.given && self.new >= EVERY && self.pairs.len() >= FEWEST {
             self.new = 0;
             self.look(frame.t);
         }
         self.readout.look(frame.t, &self.camera);
+    }
+
+    /// The camera's turn over a pair, looked for near what the gyroscope turned by the clock in force, and by others where it is not known.
+    fn turn_of(&self, rays: SharedRays) -> Option<FlowTurn> {
+        let others = if self.is_known() { &[][..] } else { &NEAR_OFFSETS_S };
+        let foretold = [0.0].iter().chain(others).filter_map(|offset| {
+            let clock = |t: Stamp| self.on_imu_clock(t).plus_seconds(*offset);
+            let to_from_from = self.course.turn(clock(rays.from), clock(rays.to))?.inverse();
+            Some(self.cam_from_body * to_from_from * self.cam_from_body.inverse())
+        });
+        let foretold: Vec<_> = foretold.collect();
+        rays.turn(foretold.into_iter())
     }
 
     fn look(&mut self, t: Stamp) {

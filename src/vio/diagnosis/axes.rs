@@ -12,7 +12,7 @@
 use super::jitter::jitter;
 use super::lag::lag;
 use super::turn_map::{Turn, TurnMap};
-use crate::clock::{FlowTurn, GyroCourse};
+use crate::clock::{GyroCourse, SharedRays};
 use dpn_core::camera::CameraModel;
 use dpn_core::geometry::nearest::nearest_orthogonal;
 use dpn_core::{ImuSample, TrackFrame};
@@ -154,7 +154,8 @@ pub fn axes(
     let mut course = GyroCourse::default();
     samples.iter().for_each(|sample| course.push(sample));
     let pairs = frames.windows(2).filter_map(|pair| {
-        let flow = FlowTurn::of((&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera)?;
+        let rays = SharedRays::of((&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera)?;
+        let flow = rays.turn([].into_iter())?;
         Turn::of(&flow, None, &course, 0.0)
     });
     compared(&pairs.collect::<Vec<_>>(), &body_from_cam.rotation)
