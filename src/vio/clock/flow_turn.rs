@@ -76,10 +76,10 @@ impl SharedRays {
     }
 
     /// The turn, where they are enough for one. `foretold` are turns `to_from_from` of the camera to look near as well, the likeliest first.
-    pub(crate) fn turn(mut self, foretold: impl Iterator<Item = UnitQuaternion<f64>>) -> Option<FlowTurn> {
+    pub(crate) fn turn(mut self, foretold: &[UnitQuaternion<f64>]) -> Option<FlowTurn> {
         let (first, path) = rotation_of(&mut self.rays)?;
         let alone = self.near(first, path.try_normalize(1e-9).unwrap_or_else(Vector3::x));
-        let foretold = foretold.filter_map(|turn| self.near(turn, path_beside(&self.rays, &turn)));
+        let foretold = foretold.iter().filter_map(|turn| self.near(*turn, path_beside(&self.rays, turn)));
         let found: Vec<Near> = foretold.chain(alone).collect();
         let least = found.iter().map(|found| found.left).fold(f64::INFINITY, f64::min);
         let found = found.iter().find(|found| found.left <= ALIKE * least)?;
@@ -184,6 +184,30 @@ mod tests {
     use rand::Rng;
     use rand_distr::StandardNormal;
 
+    /// What frames a tenth of a second apart share of points, the second one turned and `path` on: a point, and how far it is off in the second one \[px\].
+    fn views(
+        count: u64,
+        (a_from_b, path): (&UnitQuaternion<f64>, &Vector3<f64>),
+        camera: &CameraModel,
+        normal: &mut impl FnMut() -> f64,
+        mut point: impl FnMut(u64, &mut dyn FnMut() -> f64) -> (Vector3<f64>, f64),
+    ) -> SharedRays {
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        for id in 0..count {
+            let (point, off) = point(id, normal);
+            let mut seen = |point: &Vector3<f64>, noise: f64| {
+                let px = camera.project(point).filter(|px| camera.contains(px, 0.0))?;
+                Some(Track { id, px: px + Vector2::new(normal(), normal()) * noise })
+            };
+            let pair = seen(&point, 0.35).zip(seen(&(a_from_b.inverse() * (point - path)), off));
+            a.extend(pair.map(|pair| pair.0));
+            b.extend(pair.map(|pair| pair.1));
+        }
+        let a = TrackFrame::new(Stamp::from_ns(0), a);
+        let b = TrackFrame::new(Stamp::from_ns(100_000_000), b);
+        SharedRays::of((&a, &b), &b.shared(&a), camera).unwrap()
+    }
+
     /// Of two hundred pairs of views before points 1 to 9 m away, half a pixel of noise and a tenth of wrong tracks: none is lost, and of a camera that only turns
     /// the deviation is what it says. Beside a path, depths that differ make it two to three times that: a delay's deviation is scaled by what its fit leaves over.
     #[test]
@@ -197,23 +221,11 @@ mod tests {
                 let turn = Vector3::from_fn(|_, _| 0.05 * normal());
                 let a_from_b = so3::exp(&turn);
                 let path = Vector3::from_fn(|_, _| normal()).normalize() * path_m;
-                let (mut a, mut b) = (Vec::new(), Vec::new());
-                for id in 0..120 {
+                let rays = views(120, (&a_from_b, &path), &camera, &mut normal, |id, normal| {
                     let ray = Vector3::new(0.5 * normal(), 0.3 * normal(), 1.0);
-                    let point = ray * (5.0 + 4.0 * normal().tanh());
-                    let wrong = if id % 10 == 0 { 8.0 } else { 0.35 };
-                    let mut seen = |point: &Vector3<f64>, noise: f64| {
-                        let px = camera.project(point).filter(|px| camera.contains(px, 0.0))?;
-                        Some(Track { id, px: px + Vector2::new(normal(), normal()) * noise })
-                    };
-                    let pair = seen(&point, 0.35).zip(seen(&(a_from_b.inverse() * (point - path)), wrong));
-                    a.extend(pair.map(|pair| pair.0));
-                    b.extend(pair.map(|pair| pair.1));
-                }
-                let a = TrackFrame::new(Stamp::from_ns(0), a);
-                let b = TrackFrame::new(Stamp::from_ns(100_000_000), b);
-                let rays = SharedRays::of((&a, &b), &b.shared(&a), &camera).unwrap();
-                let found = rays.turn([].into_iter()).unwrap();
+                    (ray * (5.0 + 4.0 * normal().tanh()), if id % 10 == 0 { 8.0 } else { 0.35 })
+                });
+                let found = rays.turn(&[]).unwrap();
                 let off = found.turn - turn;
                 lost += usize::from(off.norm() > 0.03);
                 squares.push(off.dot(&(found.information * off)));
@@ -239,25 +251,14 @@ mod tests {
             let path = Vector3::new(normal(), normal(), 0.3 * normal()).normalize()
                 * (0.14 + 0.06 * normal().tanh());
             let tilt = so3::exp(&(Vector3::new(normal(), normal(), 0.0) * 0.3)) * Vector3::z();
-            let (mut a, mut b) = (Vec::new(), Vec::new());
-            for id in 0..80 {
+            let rays = views(80, (&a_from_b, &path), &camera, &mut normal, |_, normal| {
                 let ray = Vector3::new(0.5 * normal(), 0.3 * normal(), 1.0);
-                let point = ray * (2.0 * tilt.z / tilt.dot(&ray));
-                let mut seen = |point: &Vector3<f64>| {
-                    let px = camera.project(point).filter(|px| camera.contains(px, 0.0))?;
-                    Some(Track { id, px: px + Vector2::new(normal(), normal()) * 0.35 })
-                };
-                let pair = seen(&point).zip(seen(&(a_from_b.inverse() * (point - path))));
-                a.extend(pair.map(|pair| pair.0));
-                b.extend(pair.map(|pair| pair.1));
-            }
-            let a = TrackFrame::new(Stamp::from_ns(0), a);
-            let b = TrackFrame::new(Stamp::from_ns(100_000_000), b);
-            let rays = SharedRays::of((&a, &b), &b.shared(&a), &camera).unwrap();
+                (ray * (2.0 * tilt.z / tilt.dot(&ray)), 0.35)
+            });
             let off = Vector3::from_fn(|_, _| 0.01 * normal());
             let foretold = [so3::exp(&(turn + off)).inverse()];
             for (lost, foretold) in lost.iter_mut().zip([&foretold[..], &[]]) {
-                let found = rays.clone().turn(foretold.iter().copied());
+                let found = rays.clone().turn(foretold);
                 *lost += usize::from(found.is_none_or(|found| (found.turn - turn).norm() > 0.02));
             }
         }

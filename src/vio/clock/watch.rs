@@ -8,14 +8,15 @@ use super::flow_turn::{FlowTurn, SharedRays};
 use super::gyro_course::GyroCourse;
 use super::readout::{LinePair, Readout, ReadoutMeter};
 use crate::diagnosis::{Axes, Turn, compared};
+use crate::frontend::turn_of_camera;
 use dpn_core::camera::CameraModel;
 use dpn_core::{ImuSample, Stamp, TrackFrame};
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
 use std::collections::VecDeque;
 
-/// Where a clock that is not known may be \[s\]: by one of them or by none a turn is near enough to be found.
-const NEAR_OFFSETS_S: [f64; 4] = [-0.08, 0.08, -0.16, 0.16];
+/// How far off a clock in force may be \[s\], of one that is known by the first alone: by one of them a turn is near enough to be found.
+const OFFSETS_S: [f64; 5] = [0.0, -0.08, 0.08, -0.16, 0.16];
 /// Pairs of frames between two looks.
 const EVERY: usize = 4;
 /// Fewest pairs for an answer.
@@ -163,8 +164,9 @@ impl ClockWatch {
         let reached = self.on_imu_clock(frame.t).plus_seconds(-REACH_S);
         while let Some((rays, lines)) = self.waiting.pop_front_if(|(rays, _)| rays.to <= reached) {
             let (from, to) = (rays.from.plus_seconds(-REACH_S), rays.to.plus_seconds(REACH_S));
-            let whole = self.course.turn(from, to).is_some();
-            if whole && let Some(pair) = self.turn_of(rays) {
+            if self.course.turn(from, to).is_some()
+                && let Some(pair) = self.turn_of(rays)
+            {
                 if let Some(lines) = lines {
                     self.readout.add(pair, lines, &self.course, self.clock.offset_s, &self.cam_from_body);
                 }
@@ -199,14 +201,14 @@ impl ClockWatch {
 
     /// The camera's turn over a pair, looked for near what the gyroscope turned by the clock in force, and by others where it is not known.
     fn turn_of(&self, rays: SharedRays) -> Option<FlowTurn> {
-        let others = if self.is_known() { &[][..] } else { &NEAR_OFFSETS_S };
-        let foretold = [0.0].iter().chain(others).filter_map(|offset| {
+        let offsets = if self.is_known() { &OFFSETS_S[..1] } else { &OFFSETS_S };
+        let foretold = offsets.iter().filter_map(|offset| {
             let clock = |t: Stamp| self.on_imu_clock(t).plus_seconds(*offset);
-            let to_from_from = self.course.turn(clock(rays.from), clock(rays.to))?.inverse();
-            Some(self.cam_from_body * to_from_from * self.cam_from_body.inverse())
+            let turn = self.course.turn(clock(rays.from), clock(rays.to))?;
+            Some(turn_of_camera(&turn, &self.cam_from_body.inverse()))
         });
         let foretold: Vec<_> = foretold.collect();
-        rays.turn(foretold.into_iter())
+        rays.turn(&foretold)
     }
 
     fn look(&mut self, t: Stamp) {

@@ -155,8 +155,7 @@ pub fn axes(
     samples.iter().for_each(|sample| course.push(sample));
     let pairs = frames.windows(2).filter_map(|pair| {
         let rays = SharedRays::of((&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera)?;
-        let flow = rays.turn([].into_iter())?;
-        Turn::of(&flow, None, &course, 0.0)
+        Turn::of(&rays.turn(&[])?, None, &course, 0.0)
     });
     compared(&pairs.collect::<Vec<_>>(), &body_from_cam.rotation)
 }

@@ -393,7 +393,7 @@ impl Estimator {
                     // Of points followed through images the residuals have lasting errors too, and a window that takes them for the accelerometer's noise may make the
                     // path several times too small and stay there. Taken for the gyroscope's they cost no scale, and one with a wrong sign or scale is believed less at once.
                     let accel = if self.window.followed { 1.0 } else { fit.accel_factor };
-                    if let Some(learner) = self.learner.as_mut() {
+                    if let Some(learner) = &mut self.learner {
                         learner.begin_at(accel, fit.gyro_factor);
                     }
                     let frames = self.go_on_from_last(frames);
