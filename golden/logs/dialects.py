@@ -239,8 +239,30 @@ def gyroflow():
     expect("gyroflow.gcsv", "csv", 200.0, rows, 0, 2.5e-3, ["gscale, ascale, tscale"])
 
 
+def printed():
+    """What a terminal shows: messages of ROS 1 by `rostopic echo`, and a board's lines in Arduino's monitor with the time of day."""
+    rows = motion(200, 24)
+    start = 1_600_000_000_250_000_000
+    xyz = lambda values: "".join(f"  {a}: {v}\n" for a, v in zip("xyz", values))
+    covariance = f"[{', '.join(['0.0'] * 9)}]\n"
+    text = ""
+    for i, (t, g, a) in enumerate(rows):
+        seconds, ns = divmod(start + round(t * 1e9), 10**9)
+        text += f'header: \n  seq: {i}\n  stamp: \n    secs: {seconds}\n    nsecs: {ns:9d}\n  frame_id: "imu_link"\n'
+        text += f"orientation: \n{xyz([0.0] * 3)}  w: 1.0\norientation_covariance: {covariance}"
+        text += f"angular_velocity: \n{xyz(g)}angular_velocity_covariance: {covariance}"
+        text += f"linear_acceleration: \n{xyz(a)}linear_acceleration_covariance: {covariance}---\n"
+    write("rostopic_echo.txt", text)
+    expect("rostopic_echo.txt", "echo", 200.0, rows, start)
+    rows = motion(100, 120)
+    lines = ["09:59:58.000 -> gx,gy,gz,ax,ay,az"] + [f"09:59:59.{round(500 + t * 1e3):03d} -> " + ",".join(map(str, [*g, *a])) for t, g, a in rows[:50]]
+    lines += [f"10:00:00.{round(t * 1e3 - 500):03d} -> " + ",".join(map(str, [*g, *a])) for t, g, a in rows[50:]]
+    write("serial_monitor.txt", "\n".join(lines) + "\n")
+    expect("serial_monitor.txt", "csv", 100.0, rows, (10 * 3600 * 10 - 5) * 10**8)
+
+
 def make():
-    for one in [iphones, core_motion, oxiod, ridi, nclt, tum_rgbd, androids, metawear, ticks, objects, without_stamps, others, gyroflow]:
+    for one in [iphones, core_motion, oxiod, ridi, nclt, tum_rgbd, androids, metawear, ticks, objects, without_stamps, others, gyroflow, printed]:
         one()
     blackbox("betaflight.bbl")
     blackbox("betaflight_fine.bbl", 10)

@@ -103,6 +103,7 @@ pub use times_folder::TimesFolder;
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, tum_line, write_tum};
 pub use understood::{CsvOptions, Origin, Settled, Understood, counted_stamp};
+pub use yaml::walk_yaml;
 
 /// The README's code is a test.
 #[cfg(doctest)]

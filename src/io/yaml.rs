@@ -2,7 +2,7 @@
 
 use crate::row_fault::RowFault;
 use crate::{IoError, printable};
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, DeserializeSeed};
 use std::path::Path;
 
 /// The text of `bytes`; `path` is for messages.
@@ -11,6 +11,15 @@ pub(crate) fn text<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a str, IoError>
         let line = 1 + memchr::memchr_iter(b'\n', &bytes[..error.valid_up_to()]).count();
         IoError::row(path, line, RowFault::NotUtf8)
     })
+}
+
+/// What a text says to a seed, as a walk through values that are rows.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn walk_yaml<'a, S: DeserializeSeed<'a>>(text: &'a str, seed: S) -> Result<S::Value, String> {
+    serde_saphyr::with_deserializer_from_str(text, |input| seed.deserialize(input))
+        .map_err(|error| printable(&error.without_snippet().to_string()))
 }
 
 /// What a text says.

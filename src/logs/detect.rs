@@ -89,6 +89,8 @@ impl Kind {
             Err(LogError::Foreign { path: path.to_owned(), what, remedy })
         } else if json::is(head) {
             Ok(Self::Json)
+        } else if json::is_echo(head) {
+            Ok(Self::Echo)
         } else if is(BLACKBOX) {
             Ok(Self::Blackbox)
         } else if is(ulog::MAGIC) {

@@ -247,11 +247,13 @@ pub enum LogError {
         /// The file.
         path: PathBuf,
     },
-    /// JSON without samples, or with those of one sensor.
-    #[error("{}: JSON {problem}", path.display())]
+    /// JSON or printed messages without samples, or with those of one sensor.
+    #[error("{}: {what} {problem}", path.display())]
     Json {
         /// The file.
         path: PathBuf,
+        /// Which of the two.
+        what: &'static str,
         /// What is wrong with it.
         problem: String,
     },

@@ -62,6 +62,8 @@ fn damaged_logs_of_autopilots_phones_and_packers_panic_no_reader() {
         ("packed.csv.zst", 300),
         ("realsense.mcap.zst", 300),
         ("ros2_echo.csv", 100),
+        ("rostopic_echo.txt", 100),
+        ("serial_monitor.txt", 100),
         ("decimal_commas.csv", 100),
         ("px4_vehicle_imu_0.csv", 100),
     ] {

@@ -1,9 +1,9 @@
-//! JSON as phones' loggers write it: objects one after the other, or in arrays, of a sensor each or of both.
+//! JSON as phones' loggers write it: objects one after the other, or in arrays, of a sensor each or of both; and the YAML of ROS's `echo`, a message an object.
 //!
 //! Every object with a number or more is a row: its numbers are columns, called as the keys down to them, `gyro.x`, `values[0]`. Rows are of one table
 //! where they are of one sensor: by a key that says it (Android's numbers too), else by the array they stand in. Tables are text, for the readers of text.
 
-use dpn_io::printable;
+use dpn_io::{printable, walk_yaml};
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
@@ -46,6 +46,31 @@ pub(crate) fn is(head: &[u8]) -> bool {
         }
         _ => false,
     }
+}
+
+/// Whether a file begins as a message with a header does that `rostopic echo` or `ros2 topic echo` prints.
+pub(crate) fn is_echo(head: &[u8]) -> bool {
+    let head = head.strip_prefix(b"---\n").unwrap_or(head);
+    let line = head.split(|byte| *byte == b'\n').next().filter(|line| line.len() < head.len());
+    line.is_some_and(|line| line.trim_ascii_end() == b"header:")
+}
+
+/// The tables of messages that were printed, and what was wrong where they ended early. Behind each stands `---`.
+pub(crate) fn echoed(bytes: &[u8]) -> (Vec<Table>, Option<String>) {
+    let mut tables = Vec::new();
+    let text = String::from_utf8_lossy(bytes);
+    let (whole, rest) = text.rsplit_once("\n---").unwrap_or(("", &text));
+    for message in whole.split("\n---") {
+        // Above it ROS 2 says how many were lost.
+        let Some(at) = message.find("header:") else { continue };
+        let walk = Walk { within: "", tables: &mut tables };
+        match walk_yaml(&message[at..], walk) {
+            Ok(Leaf::Keys(keys)) => record(&keys, "", &mut tables),
+            Ok(_) => {}
+            Err(error) => return (tables, Some(format!("a message of it is no YAML: {error}"))),
+        }
+    }
+    (tables, (!rest.trim().is_empty()).then(|| "its last message is cut off".to_owned()))
 }
 
 /// The tables of a file, and what was wrong where it ended early. Objects are made rows as they come: no more than one is held.
@@ -246,6 +271,28 @@ mod tests {
         assert_eq!(sensors, ["rotations", "accelerations"]);
         let wide = r#"[{"t": 1, "gyro": {"x": 1, "y": 2, "z": 3}, "accel": [4, 5, 6]}]"#;
         assert_eq!(of(wide)[0].1, "t,gyro.x,gyro.y,gyro.z,accel[0],accel[1],accel[2]\n1,1,2,3,4,5,6\n");
+    }
+
+    #[test]
+    fn messages_as_ros_prints_them_are_rows() {
+        let message = |secs: &str, nsecs: &str| {
+            format!(
+                "header: \n  stamp: \n    {secs}: 5\n    {nsecs}: 70\n  frame_id: \"imu\"\nangular_velocity: \n  x: 1e-05\n  y: -2\n  z: .5\n\
+                 angular_velocity_covariance: [-1.0, 0.0]\nlinear_acceleration: \n  x: nan\n  y: 0.0\n  z: 9.8\n---\n"
+            )
+        };
+        let (ros1, ros2) = (message("secs", "nsecs"), message("sec", "nanosec"));
+        assert!(is_echo(&ros1.as_bytes()[..18]) && !is_echo(b"header: t,gx,gy,gz") && !is_echo(b"header:"));
+        let lost = "A message was lost!!!\n\ttotal count change:1\n\ttotal count: 1---\n";
+        let (tables, damage) = echoed(format!("{ros2}{lost}{ros2}{}", &ros2[..90]).as_bytes());
+        let names = "header.stamp.sec,header.stamp.nanosec,angular_velocity.x,angular_velocity.y,angular_velocity.z,\
+                     angular_velocity_covariance[0],angular_velocity_covariance[1],linear_acceleration.x,linear_acceleration.y,linear_acceleration.z\n";
+        let row = "5,70,0.00001,-2,0.5,-1,0,nan,0,9.8\n";
+        assert_eq!((&tables[0].text, damage.is_some()), (&format!("{names}{row}{row}"), true));
+        let ros1 = format!("---\n{ros1}");
+        assert!(is_echo(&ros1.as_bytes()[..18]));
+        let (tables, damage) = echoed(ros1.as_bytes());
+        assert!(dpn_io::names_all(&tables[0].names) && damage.is_none(), "{damage:?}");
     }
 
     #[test]

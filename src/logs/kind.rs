@@ -14,6 +14,8 @@ named!(
         Csv = "CSV file",
         /// Objects, of an app or a line each.
         Json = "JSON file",
+        /// Messages as ROS prints them.
+        Echo = "ROS echo",
         /// A ROS 1 bag.
         Rosbag1 = "rosbag1",
         /// An MCAP file.

@@ -85,6 +85,7 @@ mod rosbag2;
 mod scale;
 #[cfg(feature = "images")]
 mod sensors;
+mod serial_monitor;
 mod span;
 #[cfg(feature = "sqlite")]
 mod sqlite;

@@ -9,7 +9,9 @@ use crate::plain::Coding;
 use crate::records::Records;
 use crate::topics::{Topics, shortened};
 use crate::two_files::{Source, TwoFiles};
-use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, gcsv, json, oxiod, rosbag2, ulog};
+use crate::{
+    Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, gcsv, json, oxiod, rosbag2, serial_monitor, ulog,
+};
 use dpn_core::{ImuSample, Sensor};
 use dpn_io::asl::Sequence;
 use dpn_io::{
@@ -141,7 +143,7 @@ fn read_plain(
         Kind::Blackbox => {
             Err(LogError::NoImu { path: path.to_path_buf(), topics: String::new(), damage: None })
         }
-        Kind::Json => json_text(source, path, options),
+        Kind::Json | Kind::Echo => json_text(source, path, kind, options),
         Kind::Asl | Kind::Csv | Kind::Rosbag2 | Kind::TwoFiles => text(source, path, path, kind, options),
     }
 }
@@ -202,16 +204,16 @@ fn two_files(files: TwoFiles, dir: &Path, options: &LogOptions) -> Result<Log, L
     }
 }
 
-/// A JSON log: objects with both sensors, or of one each.
-fn json_text(mut source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
-    without_topic(path, Kind::Json, options)?;
+/// A log of objects with both sensors, or of one each.
+fn json_text(mut source: impl Read, path: &Path, kind: Kind, options: &LogOptions) -> Result<Log, LogError> {
+    without_topic(path, kind, options)?;
     let mut bytes = Vec::new();
     source.read_to_end(&mut bytes).map_err(|e| IoError::reading(path, e))?;
-    let (mut tables, damage) = json::tables(&bytes);
+    let (mut tables, damage) = if kind == Kind::Echo { json::echoed(&bytes) } else { json::tables(&bytes) };
     drop(bytes);
     let whole = tables.iter().position(|table| names_all(&table.names));
     let log = match (whole, gyro_and_accel(&tables.iter().map(|table| table.sensor.as_str()))) {
-        (Some(whole), _) => text(tables.swap_remove(whole).text.as_bytes(), path, path, Kind::Json, options)?,
+        (Some(whole), _) => text(tables.swap_remove(whole).text.as_bytes(), path, path, kind, options)?,
         (None, [Some(gyro), Some(accel)]) => {
             let (gyro, accel) = (gyro.to_owned(), accel.to_owned());
             let mut of = |name: String| {
@@ -228,7 +230,8 @@ fn json_text(mut source: impl Read, path: &Path, options: &LogOptions) -> Result
                     printable(name)
                 )
             };
-            let names = tables.iter().map(|t| printable(&format!("{}: {}", t.sensor, t.names.join(" "))));
+            let shown = |t: &json::Table| format!("{}: {}", t.sensor, t.names.join(" "));
+            let names = tables.iter().map(|t| printable(shown(t).trim_start_matches(": ")));
             let problem = match (found, damage) {
                 ([Some(gyro), _], _) => alone(gyro, "gyroscope"),
                 ([_, Some(accel)], _) => alone(accel, "accelerometer"),
@@ -238,10 +241,11 @@ fn json_text(mut source: impl Read, path: &Path, options: &LogOptions) -> Result
                     shortened(names.collect::<Vec<_>>().into_iter())
                 ),
             };
-            return Err(LogError::Json { path: path.to_path_buf(), problem });
+            let what = if kind == Kind::Echo { "messages" } else { "JSON" };
+            return Err(LogError::Json { path: path.to_path_buf(), what, problem });
         }
     };
-    Ok(Log { kind: Kind::Json, damage: damage.or(log.damage), ..log })
+    Ok(Log { kind, damage: damage.or(log.damage), ..log })
 }
 
 /// A recording of one sensor: the other's axes become zeros, and a unit that nobody named is told from the numbers.
@@ -307,6 +311,9 @@ fn text(
         });
         let log = TwoFiles::of(gyro, accel).read(path, options)?;
         return Ok(Log { kind, ..log });
+    }
+    if serial_monitor::is(&head) {
+        return text(serial_monitor::table(&whole(head)?).as_bytes(), file, path, kind, options);
     }
     if oxiod::is(&head) {
         let mut log = text(oxiod::table(&whole(head)?).as_bytes(), file, path, kind, options)?;
