@@ -148,8 +148,8 @@ fn rotation_of(rays: &mut [[Vector3<f64>; 2]]) -> Option<(UnitQuaternion<f64>, V
         let (turn, moved) = step(&rays[..used], &rotation)?;
         rotation = so3::exp(&turn) * rotation;
         shift = moved;
-        let off = |[a, b]: &[Vector3<f64>; 2]| across(b, &(rotation * a + shift)).norm_squared();
-        rays.sort_by(|x, y| off(x).total_cmp(&off(y)));
+        // A square's bits are in its order.
+        rays.sort_by_cached_key(|[a, b]| across(b, &(rotation * a + shift)).norm_squared().to_bits());
     }
     shift.iter().all(|v| v.is_finite()).then_some((rotation, shift))
 }
