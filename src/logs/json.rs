@@ -181,7 +181,8 @@ impl<'de> Visitor<'de> for Walk<'_> {
     }
 }
 
-fn is_number(text: &str) -> bool {
+/// Whether a field is a number.
+pub(crate) fn is_number(text: &str) -> bool {
     text.parse::<f64>().is_ok()
 }
 

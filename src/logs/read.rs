@@ -296,6 +296,9 @@ fn text(
         let text = String::from_utf8(bytes);
         Ok::<_, IoError>(text.unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
     };
+    if serial_monitor::is(&head) {
+        return text(serial_monitor::table(&whole(head)?).as_bytes(), file, path, kind, options);
+    }
     if let Some(long) = Long::of(&head) {
         let text = whole(head)?;
         let of = |name: &str| Source::Text(name.to_owned(), long.rows_of(&text, name), file.to_path_buf());
@@ -311,9 +314,6 @@ fn text(
         });
         let log = TwoFiles::of(gyro, accel).read(path, options)?;
         return Ok(Log { kind, ..log });
-    }
-    if serial_monitor::is(&head) {
-        return text(serial_monitor::table(&whole(head)?).as_bytes(), file, path, kind, options);
     }
     if oxiod::is(&head) {
         let mut log = text(oxiod::table(&whole(head)?).as_bytes(), file, path, kind, options)?;

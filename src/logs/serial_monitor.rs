@@ -1,5 +1,7 @@
 //! A board's lines as the monitor of Arduino's IDE shows them with their times: `12:34:56.789 -> 0.01,0.02,9.81`.
 
+use crate::json::is_number;
+
 /// What stands between the time of day and the line.
 const ARROW: &str = " ->";
 /// Lines that are looked at.
@@ -25,20 +27,18 @@ pub(crate) fn is(head: &[u8]) -> bool {
 pub(crate) fn table(text: &str) -> String {
     let mut table = String::with_capacity(text.len());
     for whole in text.lines() {
-        // What is no such line is the table's reader's to refuse.
-        let Some((time, line)) = parts(whole) else {
-            table.push_str(whole);
-            table.push('\n');
-            continue;
-        };
-        if line.is_empty() {
-            continue;
+        match parts(whole) {
+            Some((_, "")) => continue,
+            Some((time, line)) => {
+                let between = line.chars().find(|c| ",;\t".contains(*c)).unwrap_or(' ');
+                let is_names = !line.split([',', ';', '\t', ' ']).any(is_number);
+                table.push_str(if is_names { "t" } else { time });
+                table.push(between);
+                table.push_str(line);
+            }
+            // What is no such line is the table's reader's to refuse.
+            None => table.push_str(whole),
         }
-        let between = line.chars().find(|c| ",;\t".contains(*c)).unwrap_or(' ');
-        let is_names = !line.split([',', ';', '\t', ' ']).any(|field| field.parse::<f64>().is_ok());
-        table.push_str(if is_names { "t" } else { time });
-        table.push(between);
-        table.push_str(line);
         table.push('\n');
     }
     table
